@@ -68,10 +68,10 @@ class ArguingEngine:
 
     Attributes:
         rulebook: locutions and games.
-        manners: manner of each robot, by its index; robots that are not listed have the manner of `None`.
+        manners: manner of each robot, by its index. Robots that are not listed have the manner with the key `None`.
         phrasing: words for moves.
         seed: random seed of the game, for moves that a robot mishears.
-        strategies: installed strategies that choose moves, by robot as in `manners`; None is the built-in strategy.
+        strategies: installed strategies that choose moves, with keys as in `manners`. If None, the built-in strategy.
     """
 
     rulebook: Rulebook
@@ -82,7 +82,7 @@ class ArguingEngine:
 
     @property
     def argues(self) -> bool:
-        """True."""
+        """Always True."""
         return True
 
     @property
@@ -156,7 +156,7 @@ class ArguingEngine:
         )
 
     def utterances(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
-        """Return all utterances of a dialogue so far, with the robot's conclusions, which are no turns."""
+        """Return all utterances of a dialogue so far, with the robot's conclusions, which do not count as turns."""
         said: list[DialogueUtterance] = []
         for at, turn in enumerate(dialogue.turns):
             said.append(self._utterance(replace(dialogue, turns=dialogue.turns[:at]), turn))
@@ -169,7 +169,7 @@ class ArguingEngine:
     def _opened(self, dialogue: Dialogue, speaker: Speaker, opening: Opening | None, held: bool) -> DialogueStep:
         if opening is None:
             # The robot already agrees with the person's wish, or nothing is left to say. If the robot made a
-            # suggestion, the person has to answer it.
+            # suggestion, the person must answer.
             wanted = dialogue.topic.scenario not in ASKED
             agreed = wanted and _is_settled(dialogue)
             return DialogueStep(dialogue, (), DialogueOutcome.CONSENSUS if agreed else DialogueOutcome.NO_CONSENSUS)
@@ -182,7 +182,7 @@ class ArguingEngine:
             dialogue, outcome = self._outcome(dialogue)
             legal = () if outcome is not None or held else self._possible.legal(dialogue, Speaker.ROBOT)
             if not legal:
-                # Without a new utterance, the conclusion was already stated.
+                # If there is no new utterance, the robot has already stated the conclusion.
                 told = self._conclusion(dialogue) if utterances else None
                 if told is not None:
                     conclusions = (*dialogue.conclusions, (len(dialogue.turns), told))
@@ -209,7 +209,7 @@ class ArguingEngine:
         return chosen.move, chosen.fault
 
     def _outcome(self, dialogue: Dialogue) -> tuple[Dialogue, DialogueOutcome | None]:
-        """Return the outcome, with the dialogue changed to the decision agreed on.
+        """Return the dialogue with the decision that both sides agreed on, and the outcome.
 
         The outcome is None while the dialogue continues.
         """
@@ -258,7 +258,7 @@ class ArguingEngine:
         return replace(told, conversation=dialogue.conversation)
 
     def _heard(self, dialogue: Dialogue, move: Move) -> Move:
-        """Return the move that the robot understands. With the probability of mishearing, it is a different move."""
+        """Return the move that the robot understands. With the probability of mishearing, this is a different move."""
         rate = self._possible.manner(dialogue.topic.robot).misheard
         others = [
             each
@@ -292,7 +292,7 @@ class ArguingEngine:
                 parent = conversation.record[-1].dialogue if opening is asked else None
                 conversation = conversation.open(side, opening, parent=parent, at=at)
         if conversation is not None and isinstance(move, Leave | Override) and play is not None:
-            # With the outermost game, the person also leaves the games inside it.
+            # By leaving the outermost game, the person also leaves the games inside it.
             conversation = conversation.withdraw(conversation.open_plays[0].number)
         if conversation is not None and not conversation.open_plays:
             conversation = _sensed(dialogue.topic, conversation)
@@ -317,7 +317,7 @@ class ArguingEngine:
 
 
 def decision_of(facts: WhereFacts | WhatFacts, former: Conversation | None) -> Literal | None:
-    """Return the decision that a robot makes alone, with beliefs that it accepted earlier; None if it makes none."""
+    """Return the decision that a robot makes alone, with beliefs that it accepted earlier, or None."""
     if isinstance(facts, WhereFacts):
         return where(facts, told_beliefs(former)).decision
     return what(facts, told_beliefs(former)).decision
@@ -359,7 +359,7 @@ def _is_settled(dialogue: Dialogue) -> bool:
 
 
 def _about(dialogue: Dialogue, agreed: Literal) -> Dialogue:
-    """Return the dialogue with a topic changed to the decision agreed on in the end."""
+    """Return the dialogue with a new topic: the decision that both sides agreed on in the end."""
     scenario, room, name = dialogue.topic.scenario, dialogue.topic.room, ""
     match agreed.parts[0].proposition:
         case NextRoom(room=room) | VisitOrder(room=room):

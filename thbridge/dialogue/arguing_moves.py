@@ -47,7 +47,7 @@ class PossibleMoves:
     """Legal moves of participant and robots, according to the manners of robots.
 
     Attributes:
-        manners: manner of each robot, by its index; robots that are not listed have the manner of `None`.
+        manners: manner of each robot, by its index. Robots that are not listed have the manner with the key `None`.
     """
 
     manners: Mapping[int | None, Manner]
@@ -92,7 +92,7 @@ class PossibleMoves:
     def _openings(self, dialogue: Dialogue, conversation: Conversation) -> list[Move]:
         """Return the moves with which the person may continue after a game without an agreement to do something."""
         claim, evidence = claim_of(dialogue.topic), evidence_of(dialogue.topic, conversation)
-        # The person has no name of their own to argue for.
+        # The person has not proposed a name to argue for.
         hers = None if dialogue.topic.scenario is Scenario.UNSURE_NAME else claim
         found = [
             self.opening(dialogue, Side.HUMAN, PERSUASION, hers),
@@ -122,7 +122,7 @@ class PossibleMoves:
         }
         possible = questions(topic.facts, evidence_of(topic, conversation), claim_of(topic))
         simpler = (Enquire(Question.SIMPLER),) if _last_said(dialogue).because else ()
-        # The question for simpler words must be among the first choices, as soon as there are reasons.
+        # As soon as there are reasons, the request for simpler words must be among the first choices.
         asked = (*possible[:2], *simpler, *possible[2:])
         return tuple(each for each in asked if each not in put or each.question is Question.SIMPLER)
 
@@ -135,7 +135,7 @@ class PossibleMoves:
         return explain(asked, topic.facts, evidence_of(topic, conversation))
 
     def question_of_refusal(self, dialogue: Dialogue, side: Side) -> Opening | None:
-        """Return the question that a side may ask after its reason was refused; None if the side has none.
+        """Return the question that a side may ask after its reason was refused; None if there is no question.
 
         No side doubts the other's wishes. A persistent robot asks about things that it does not know yet.
         """
@@ -151,14 +151,14 @@ class PossibleMoves:
         return self.opening(dialogue, side, INFORMATION_SEEKING, asked, refused.number)
 
     def asks(self, dialogue: Dialogue) -> Opening | None:
-        """Return the next question of a robot whose reason was just refused; None if it has none."""
+        """Return the next question of a robot whose reason was just refused; None if it has no question."""
         refused = isinstance(last_move(dialogue), DialogueMove)
         return self.question_of_refusal(dialogue, Side.ROBOT) if refused else None
 
     def opening(
         self, dialogue: Dialogue, side: Side, game: str, topic: Literal | None, parent: int | None = None
     ) -> Opening | None:
-        """Return the opening of a game by a side about a topic; None if the side has none."""
+        """Return the opening of a game by a side about a topic; None if the side cannot open it."""
         conversation = dialogue.conversation
         if topic is None or conversation is None:
             return None

@@ -67,7 +67,7 @@ class DialogueEngine(Protocol):
 
     @property
     def argues(self) -> bool:
-        """True if topics need the robot's facts."""
+        """True if topics must contain the robot's facts."""
         ...
 
     def open(

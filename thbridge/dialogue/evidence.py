@@ -1,7 +1,7 @@
 """Evidence of a robot for the three decisions of the hunt: its knowledge, and the arguments that follow from it.
 
-It never contains knowledge that only the simulator has. It contains the robot's own energy and costs, the reports of
-the other robots about theirs, the joint plan made of these, its own failures, and the known properties of treasures.
+It never contains knowledge that only the simulator has. It contains the robot's energy and costs, the energy and costs
+that other robots report, the joint plan based on these, the robot's failures, and the known properties of treasures.
 """
 
 import math
@@ -113,7 +113,7 @@ class WhatFacts:
         energy: energy that the robot has left.
         picture_cost: energy of a picture.
         naming_cost: energy of naming the treasure.
-        names: names that fit everything known about it, in alphabetical order.
+        names: names that fit everything known about the treasure, in alphabetical order.
         has_picture: True if there is a picture of it.
         at: simulated time, s.
         claimed: name that the participant wants to give it; empty if the participant proposes none.
@@ -172,7 +172,7 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
     if best is None:
         return case.evidence(None, ())
     others = [room for room in facts.left if room != best]
-    # A person may have persuaded the robot of a room that the plan does not value.
+    # A person may have persuaded the robot of a room that has no value in the plan.
     comparable = facts.values if facts.compares and best in facts.values else {}
     compared = {room: _compared(case, facts, best, room) for room in others if room in comparable}
     nearest = min(compared, key=lambda room: (facts.costs.get(room, math.inf), room), default=None)
@@ -193,7 +193,7 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
 
 
 def is_decision(literal: Literal) -> bool:
-    """Return True for decisions and wishes, which hold in one situation only."""
+    """Return True for decisions and wishes, which are only valid in one situation."""
     decided = (
         NextRoom | VisitOrder | RoomSequence | Conjunction | TakesPicture | NamesTreasure | NamesTreasureAs | Wanted
     )
@@ -201,7 +201,7 @@ def is_decision(literal: Literal) -> bool:
 
 
 def is_hearsay(literal: Literal) -> bool:
-    """Return True for beliefs that a robot holds only because a person persuaded it."""
+    """Return True for beliefs that a robot holds only because a person persuaded the robot."""
     return is_decision(literal) or isinstance(literal.proposition, InTheWay | SeenInPicture)
 
 
@@ -220,7 +220,7 @@ def what(facts: WhatFacts, told: Beliefs | None = None) -> Evidence:
     if facts.claimed:
         # Only a person who sees the picture can answer.
         case.rule((Literal(SeenInPicture(facts.room, facts.claimed)),), names)
-    # If the person has no name, or one that does not fit, the robot looks for its own.
+    # If the person proposes no name, or a name that does not fit, the robot looks for a name.
     own_name = facts.unsure or bool(facts.against)
     if facts.has_picture:
         taken = case.knows(PictureTaken(facts.room))
@@ -264,7 +264,7 @@ def is_below(energy: float, other: float) -> bool:
 
 
 def comparison(better: PlanValue, worse: PlanValue) -> Proposition | None:
-    """Return the reason why a plan is better than another one, or None if it is not better."""
+    """Return the reason why a plan is better than another plan, or None if it is not better."""
     if better.rooms > worse.rooms:
         return FewerRooms(worse.rooms, better.rooms)
     if better.rooms == worse.rooms and is_below(better.cost, worse.cost):
@@ -310,7 +310,7 @@ class _Case:
         self._rules[Rule(premises, conclusion, is_said=False)] = None
 
     def was_told(self, conclusion: Literal) -> bool:
-        """Return True for a conclusion that the robot holds because a person persuaded it."""
+        """Return True for a conclusion that the robot holds because a person persuaded the robot."""
         return conclusion in self._told
 
     def is_against(self, conclusion: Literal) -> bool:
@@ -367,7 +367,7 @@ def _affordable(case: _Case, facts: WhereFacts, room: Room, level: Literal) -> t
 
 
 def _best(facts: WhereFacts, case: _Case) -> Room | None:
-    """Return the room that its planner chose, or else the room of highest value without evidence against it."""
+    """Return the room that the planner chose; otherwise the room of highest value with no evidence against it."""
     wanted = [room for room in facts.left if case.was_told(Literal(NextRoom(facts.robot, room)))]
     if wanted:
         return wanted[0]
@@ -382,7 +382,7 @@ def _best(facts: WhereFacts, case: _Case) -> Room | None:
 
 
 def _contrasted(case: _Case, facts: WhereFacts, best: Room, rival: Room) -> None:
-    """Add the belief about the team's costs of going to a room instead of the best one."""
+    """Add the belief about the team's costs of going to a room instead of the best room."""
     better, worse = facts.values[best], facts.values[rival]
     if better.rooms > worse.rooms:
         case.knows(ShorterPlan(rival, best, better.rooms - worse.rooms))
@@ -400,7 +400,7 @@ def _order(tour: tuple[Room, ...], first: Room, later: Room) -> Literal | None:
 
 
 def _compared(case: _Case, facts: WhereFacts, best: Room, room: Room) -> tuple[Literal, ...]:
-    """Add the reasons against a room other than the best one; return those for the best one, if it is better."""
+    """Add the reasons against a room other than the best room. Return the reasons for the best room if it is better."""
     goes = Literal(NextRoom(facts.robot, room))
     difference = comparison(facts.values[best], facts.values[room])
     if difference is None:

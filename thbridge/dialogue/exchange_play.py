@@ -18,8 +18,8 @@ class ExchangeAct:
     """Act of a side: a move in a dialogue, or the opening of another dialogue.
 
     Attributes:
-        move: the move.
-        number: number of the dialogue of the move, or of the dialogue that waits for a new one; None if there is none.
+        move: the move. number: number of the dialogue of the move, or of the dialogue that waits for a new dialogue;
+            None if there is none.
         opening: opening of a new dialogue; None for a move.
     """
 
@@ -111,7 +111,7 @@ class CourseFollower:
     _next: int = 0
 
     def choose(self, conversation: Conversation, possible: tuple[ExchangeAct, ...]) -> ExchangeAct | None:
-        """Return one of the possible acts, or None if there is none of them."""
+        """Return one of the possible acts, or None if none of them fits the course."""
         # If a move and an opening have the same text, the move is meant.
         by_text = {str(act.move): act for act in reversed(possible)}
         course = self.exchange.course

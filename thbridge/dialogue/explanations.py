@@ -64,7 +64,7 @@ def explain(asked: Enquire, facts: WhereFacts | WhatFacts, evidence: Evidence) -
 
 
 def _rival(facts: WhereFacts | WhatFacts, evidence: Evidence, claim: Literal) -> Literal | None:
-    """Return an alternative that the robot rejects and that a person may wonder about."""
+    """Return an alternative that the robot rejects, and that a person may ask about."""
     decision = evidence.decision
     if decision != claim:
         return claim
@@ -80,7 +80,7 @@ def _rival(facts: WhereFacts | WhatFacts, evidence: Evidence, claim: Literal) ->
 def _best_argument(evidence: Evidence, conclusion: Literal) -> Argument | None:
     """Return the argument on the best evidence.
 
-    Among arguments on equal evidence, it is one with comparisons, because it says most.
+    Among arguments on equal evidence, choose an argument with comparisons, because it says most.
     """
     found = evidence.beliefs.arguments(conclusion)
     prefers = evidence.beliefs.prefers
@@ -93,7 +93,7 @@ def _best_argument(evidence: Evidence, conclusion: Literal) -> Argument | None:
 
 
 def _contrast(evidence: Evidence, about: Literal) -> tuple[Literal, ...]:
-    """Return the team's costs of going to a room instead of the best one, if the robot has compared them."""
+    """Return the team's costs of going to a room instead of the best room, if the robot has compared both."""
     room = getattr(about.proposition, "room", None)
     kinds = (ShorterPlan, DearerPlan, LeftBehind)
     found = [literal for literal in evidence.beliefs.origins if isinstance(literal.proposition, kinds)]

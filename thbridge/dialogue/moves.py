@@ -71,7 +71,7 @@ class DialogueTopic:
         room: the destination, or the room of the treasure.
         cost: energy of the proposal.
         energy: energy of the robot.
-        room_name: name of the room, in the participant's language; empty if it has no name of its own.
+        room_name: name of the room, in the participant's language; empty if the room has only a number.
         other_robot: the other robot that could reach the room for the least energy; None if there is none.
         properties: known properties of the treasure there.
         reason: reason for the robot's suggestion, as part of a sentence; empty without a suggestion.
@@ -132,7 +132,7 @@ class OpenQuestions:
 
 @dataclass(frozen=True, slots=True)
 class CloseQuestions:
-    """The person does not want to ask a question after all."""
+    """The person decides not to ask a question."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,8 +150,8 @@ class Explain:
     Attributes:
         question: the question that it answers.
         about: as in the question.
-        because: beliefs of the robot that form the answer; empty if it has none.
-        restates: the question that was answered before in other words; None if this is no repetition.
+        because: beliefs of the robot that form the answer; empty if there are none.
+        restates: the question whose earlier answer is repeated in other words; None if this is no repetition.
     """
 
     question: Question
@@ -162,7 +162,7 @@ class Explain:
 
 @dataclass(frozen=True, slots=True)
 class Echo:
-    """The robot repeats the move that it understood, if this is not the person's move.
+    """The robot repeats the move that it understood, if this is not the move that the person made.
 
     Attributes:
         heard: sentence of the move that it understood.
@@ -187,7 +187,7 @@ class Upshot(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Conclude:
-    """The robot states the result after the person's last move; this is no turn of the dialogue.
+    """The robot states the result after the person's last move; this does not count as a turn.
 
     Attributes:
         upshot: the result.
@@ -276,7 +276,7 @@ class Turn:
         move: the move.
         author: author of the move.
         text: sentence that replaces the usual sentence for the move; if empty, the usual one is said.
-        said: the move that the person really made, if the robot understood another one. If None, it understood
+        said: the move that the person really made, if the robot understood another move. If None, it understood
             correctly.
         fault: reason why the robot's own strategy chose the move instead of the installed strategy; empty otherwise.
     """
@@ -298,7 +298,8 @@ class Dialogue:
         topic: its topic.
         turns: all moves so far, oldest first.
         conversation: statements and beliefs of both sides, if robots argue.
-        conclusions: the robot's closing statements, which are no turns, each with the number of turns before it.
+        conclusions: the robot's closing statements, which do not count as turns, each with the number of turns before
+            it.
     """
 
     number: int
@@ -315,7 +316,7 @@ class OfferedSentence:
     Attributes:
         sentence: the usual sentence for the move.
         offered: sentence that the author offered; None if it offered none.
-        refused: reason why the offer was refused, for programs; empty if it was accepted, or there was none.
+        refused: reason why the offer was refused, for programs; empty if the offer was accepted, or there was no offer.
         why: the same reason for people.
     """
 

@@ -1,4 +1,4 @@
-"""Programs of others, such as strategies and authors of wordings: their errors, and texts for these."""
+"""Programs of other people, such as strategies and authors of wordings: their errors, and texts for these errors."""
 
 import re
 import traceback

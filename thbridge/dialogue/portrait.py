@@ -47,7 +47,7 @@ class PortrayedGame:
 
     Attributes:
         number: number of the game, from 1, unique among the games of one robot.
-        parent: number of the game that waits for this one; 0 if there is none.
+        parent: number of the game that waits for this game; 0 if there is none.
         game: its name.
         topic: topic of the game.
         opener: the side that opened it.
@@ -84,7 +84,7 @@ class DialoguePortrait:
     Attributes:
         games: dialogue games of the present situation, in order of opening.
         sigma: beliefs of the robot (Sigma).
-        rules: rules that the robot holds, without those of the language.
+        rules: rules that the robot holds, without rules of the language.
         held: literals that it takes the person to hold (Gamma(H)).
         unknown: propositions about which it takes the person to know nothing.
         argued: conclusions for which it takes the person to have an argument.
@@ -205,7 +205,7 @@ def _put_forward(robot: Agent, person: Agent) -> Beliefs:
     picture = robot.picture
     hers = [rule for rule in person.beliefs.rules if all(premise in picture.held for premise in rule.premises)]
     rules = tuple(dict.fromkeys((*robot.beliefs.rules, *hers)))
-    # A claim of the person is no reason for itself.
+    # A claim of the person does not support itself.
     claims = {rule.conclusion.proposition for rule in (*rules, *person.beliefs.rules)}
     shown = {
         literal: origin_of_hearsay(literal, 0.0)
@@ -216,7 +216,7 @@ def _put_forward(robot: Agent, person: Agent) -> Beliefs:
 
 
 def _arguments(conversation: Conversation, beliefs: Beliefs) -> Iterable[Argument]:
-    """Return arguments for and against topics and decisions, then those against their supports; each once."""
+    """Return arguments for and against topics and decisions, then arguments against their supports, each once."""
     robot = conversation.agents[Side.ROBOT]
     topics = [play.topic for play in conversation.plays[conversation.since :]]
     issues = dict.fromkeys(topic.conclusion if isinstance(topic, Rule) else topic for topic in reversed(topics))

@@ -50,7 +50,7 @@ def _written(name: str, value: object) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Selected(HuntProposition):
-    """A room is one of those to search."""
+    """A room is to be searched."""
 
     predicate: ClassVar[str] = "selected"
     room: Room
@@ -58,7 +58,7 @@ class Selected(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class VisitOrder(HuntProposition):
-    """A room is the nth to be visited; each position has one room, and each room has one position."""
+    """A room is the nth room to visit; each position has one room, and each room has one position."""
 
     predicate: ClassVar[str] = "order"
     place: int
@@ -126,7 +126,7 @@ class LessThan(HuntProposition):
 
     @property
     def is_true(self) -> bool:
-        """True if the numbers are so."""
+        """True if the sum of the terms is below the limit."""
         return fsum(self.terms) < self.limit
 
 
@@ -160,14 +160,14 @@ class TreasureIn(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class Wanted(HuntProposition):
-    """The speaker wants it, without a further reason."""
+    """The speaker wants a literal to hold, without a further reason."""
 
     predicate: ClassVar[str] = "wanted"
     what: Literal
 
     @property
     def is_wish(self) -> bool:
-        """True."""
+        """Always True."""
         return True
 
 
@@ -228,7 +228,7 @@ class TeamPlan(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class FewerRooms(HuntProposition):
-    """A number of rooms is below another one."""
+    """A number of rooms is below another number of rooms."""
 
     predicate: ClassVar[str] = "fewer_rooms"
     fewer: int
@@ -236,7 +236,7 @@ class FewerRooms(HuntProposition):
 
     @property
     def is_true(self) -> bool:
-        """True if the numbers are so."""
+        """True if the first number is below the second number."""
         return self.fewer < self.more
 
 

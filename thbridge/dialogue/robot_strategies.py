@@ -1,6 +1,7 @@
 """Strategies of robots that argue.
 
-Each manner has a built-in strategy. Strategies of other people can be installed; their faults do no harm.
+Each manner has a built-in strategy. Strategies of other people can be installed. If such a strategy fails, the built-in
+strategy chooses the move.
 """
 
 from dataclasses import dataclass, replace

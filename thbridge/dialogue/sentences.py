@@ -1,4 +1,4 @@
-"""Sentences with reserved words between pound signs; each stands for a value."""
+"""Sentences with reserved words between pound signs; each word is replaced by a value."""
 
 import difflib
 import re

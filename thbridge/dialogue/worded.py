@@ -60,7 +60,7 @@ class WordedPhrasing:
         seed: random seed of the game.
         names: names of the rooms.
         author: other author of sentences. If None, all sentences come from the language's files.
-        known: names of treasures, which an author may use only where the files do.
+        known: names of treasures. An author may use a name only if the sentence from the files contains it.
     """
 
     language: Language

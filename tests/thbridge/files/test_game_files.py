@@ -79,7 +79,7 @@ FAULTS = [
         PERSUASION,
         OPENING,
         "{say: question, of: topic, next: claimed}",
-        "accept of claim is never legal here: no claim comes",
+        "accept of claim is never legal here: no earlier move",
     ),
     (
         PERSUASION,
@@ -92,25 +92,25 @@ FAULTS = [
         PERSUASION,
         ACCEPT,
         "{say: accept, of: support, next: agreement}",
-        "no support that the challenger could refer to",
+        "no earlier move states a support",
     ),
     (
         PERSUASION,
         ACCEPT,
         "{say: assert, of: argument, next: agreement}",
-        "no argument that the challenger could refer to",
+        "no earlier move states an argument",
     ),
     (
         PERSUASION,
         "challenged\n    turn: defender",
         "challenged\n    turn: challenger",
-        "no argument that the challenger could refer to",
+        "no earlier move states an argument",
     ),
     (
         PERSUASION,
         "offered\n    turn: challenger",
         "offered\n    turn: defender",
-        "the other side must have",
+        "repeats what the other side",
     ),
     (
         SEEKING,

@@ -161,7 +161,7 @@ def test_a_no_may_be_questioned_and_the_dialogue_that_has_ended_goes_on() -> Non
         f"Dialogue 2 opens: information-seeking about not {level}, inside dialogue 1, which is paused",
         f"robot: question(not {level})",
         f"human: assert(U({level}))",
-        "Dialogue 2 ends: unknown, the one who was asked does not know",
+        "Dialogue 2 ends: unknown, the side that was asked does not know",
         f"human: accept({level})",
     ]
     assert [line.strip() for line in told.splitlines() if line.strip() in course] == course

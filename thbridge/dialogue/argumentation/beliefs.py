@@ -57,7 +57,7 @@ class Beliefs:
 
     Attributes:
         origins: origin of each literal that is held.
-        rules: rules that are held, including those of the language, which need not be said.
+        rules: rules that are held, including rules of the language, which need no statement.
     """
 
     origins: Mapping[Literal, Origin] = field(default_factory=dict)
@@ -74,7 +74,7 @@ class Beliefs:
         return all(part in self.origins for part in belief.parts)
 
     def stance(self, proposition: Proposition) -> Stance:
-        """Return the opinion on a proposition; propositions that other beliefs exclude count as disbelieved.
+        """Return the opinion on a proposition. A proposition that other beliefs exclude counts as disbelieved.
 
         It is unknown without a belief about the proposition, and for inconsistent beliefs.
         """
@@ -108,7 +108,7 @@ class Beliefs:
     def prefers(self) -> Preference:
         """Preference for the argument whose weakest premise has the better origin.
 
-        Unknown premises are the weakest.
+        A premise of unknown origin is the weakest.
         """
 
         def weakest(argument: Argument) -> tuple[int, float, float]:

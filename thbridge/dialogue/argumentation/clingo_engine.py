@@ -47,11 +47,11 @@ _LOOK_UP = 0.1
 
 
 def extensions_by_clingo(framework: ArgumentationFramework, semantics: Semantics) -> tuple[Extension, ...]:
-    """Return all extensions in the order of `extensions`; the grounded one needs neither a search nor clingo."""
+    """Return all extensions in the order of `extensions`; the grounded extension needs neither a search nor clingo."""
     if semantics is Semantics.GROUNDED:
         return extensions(framework, semantics)
     program, options = _PROGRAMS[semantics]
-    # clingo would report on standard error that there is nothing to decide, although this is no fault.
+    # Without this, clingo would print to standard error that there is nothing to decide. This is no fault.
     control = clingo.Control(["--models=0", *options], logger=lambda _code, _message: None)
     control.add(_COMMON + program + _facts(framework))
     control.ground()

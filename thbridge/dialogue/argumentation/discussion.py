@@ -17,7 +17,7 @@ from thbridge.dialogue.argumentation.semantics import IN, OUT, UNDECIDED, ground
 
 
 class DiscussionLocution(StrEnum):
-    """Kind of a move: the first belongs to the proponent, the others to the opponent."""
+    """Kind of a move. The first kind belongs to the proponent, the others belong to the opponent."""
 
     HAS_TO_BE = "HTB"
     CAN_BE = "CB"
@@ -66,7 +66,7 @@ def discuss(framework: ArgumentationFramework, argument: str) -> Discussion:
 
     def rank(move: DiscussionMove) -> tuple[int, int]:
         # The best moves of both sides are about grounded arguments, then about undecided ones. An argument does not
-        # depend on arguments that were grounded after it, so nothing has to be stated twice.
+        # depend on arguments that were grounded after it, so no statement has to be repeated.
         place = framework.index[move.argument]
         return (IN, UNDECIDED, OUT).index(labels[place]), steps[place] or 0
 
@@ -125,7 +125,7 @@ class _Position:
         return tuple(DiscussionMove(DiscussionLocution.CAN_BE, name) for name in attackers if name not in retracted)
 
     def _settled(self) -> tuple[DiscussionMove, ...]:
-        """Return the moves by which the opponent gives in; they come before any other."""
+        """Return the moves with which the opponent gives in; these moves come before any other move."""
         moves = [self._settling(name) for name in sorted(self._may_be_settled, key=self._framework.index.__getitem__)]
         found = tuple(move for move in moves if move is not None)
         self._may_be_settled = {move.argument for move in found}

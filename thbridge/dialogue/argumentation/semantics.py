@@ -40,7 +40,7 @@ def in_order(framework: ArgumentationFramework, found: Iterable[Extension]) -> t
 
 
 def grounded(framework: ArgumentationFramework) -> Extension:
-    """Return the grounded extension: the arguments that even the most cautious reasoner must accept."""
+    """Return the grounded extension: the arguments that even the most cautious agent must accept."""
     return _names(framework, (place for place, label in enumerate(grounded_labels(framework)) if label == IN))
 
 
@@ -130,7 +130,7 @@ class _Search:
         self._start = [labels if label == UNDECIDED else label & labels for label in grounded_ones]
 
     def labellings(self, some_of: Sequence[int] = ()) -> Iterator[list[int]]:
-        """Yield all labelings, each once, and after those in which more arguments are in.
+        """Yield each labeling once. A labeling comes after all labelings in which more arguments are in.
 
         Args:
             some_of: sets of indices, as bits of numbers; one of each set is in. Sets may be added between two

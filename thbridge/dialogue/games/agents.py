@@ -16,12 +16,12 @@ from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown, mat
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """Picture that an agent has of another one, from the other's statements and moves: Gamma(j).
+    """Picture that an agent has of another agent j, from j's statements and moves: Gamma(j).
 
     Attributes:
         held: literals that the other is taken to hold.
         rules: rules that the other is taken to hold.
-        unknown: propositions about which the other has shown to know nothing.
+        unknown: propositions about which the other agent has shown that it knows nothing.
         arguments: arguments that one side has put forward to the other.
         argued: conclusions for which the other is taken to have some argument.
     """

@@ -22,7 +22,7 @@ Content: TypeAlias = Literal | Rule | Argument | Unknown
 
 
 class TableWord(StrEnum):
-    """Word of the files of dialogue games, with its meaning for people who write them."""
+    """Word in files of dialogue games, with its meaning for the authors of these files."""
 
     meaning: str
 
@@ -37,10 +37,10 @@ class TableWord(StrEnum):
 class ContentKind(TableWord):
     """Kind of a content; files distinguish the forms of a locution by it."""
 
-    LITERAL = "literal", "a proposition, or that it does not hold"
+    LITERAL = "literal", "a proposition, or its negation"
     RULE = "rule", "a conclusion that follows from premises"
     ARGUMENT = "argument", "a conclusion with its support"
-    UNKNOWN = "unknown", "not knowing about a proposition"
+    UNKNOWN = "unknown", "the statement that the speaker knows nothing about a proposition"
 
 
 def kind_of_content(content: Content) -> ContentKind:

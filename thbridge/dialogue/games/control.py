@@ -69,11 +69,11 @@ class Conversation:
 
     @property
     def open_plays(self) -> tuple[GamePlay, ...]:
-        """Dialogues that have not ended, including those that wait for one inside them."""
+        """Dialogues that have not ended, including dialogues that wait for a dialogue inside them."""
         return tuple(play for play in self.plays if play.end is None)
 
     def waits(self, number: int) -> bool:
-        """Return True while a dialogue waits for one inside it."""
+        """Return True while a dialogue waits for a dialogue inside it."""
         return any(play.parent == number for play in self.open_plays)
 
     @property
@@ -87,7 +87,7 @@ class Conversation:
         return play if play.end is not None and play.in_question is not None and goes_on else None
 
     def case(self, proposition: Proposition) -> DialogueCase:
-        """Return the case of two opinions on a proposition: the robot's, and the one that it thinks the person has."""
+        """Return the case of the robot's opinion on a proposition, and the opinion that it attributes to the person."""
         robot = self.agents[Side.ROBOT]
         return case_of(robot.beliefs.stance(proposition), robot.picture.stance(proposition))
 

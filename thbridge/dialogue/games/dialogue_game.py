@@ -28,7 +28,7 @@ class GamePlay:
         game: table of the game.
         topic: topic of the dialogue.
         initiator: the side that opened it.
-        parent: number of the dialogue that waits for this one; None if there is none.
+        parent: number of the dialogue that waits for this dialogue; None if there is none.
         questions_refusal: True if it asks whether the opposite of a support holds, after a refusal of the support in
             its parent.
         stage: name of the present state; after the end, of the last state.
@@ -40,8 +40,8 @@ class GamePlay:
         barred: openings, each with a reply that an earlier dialogue has used up.
         resumes: name of the state in which it resumes if the refusal that ended it is questioned. If None, the refusal
             cannot be questioned.
-        put_off: the end that a refusal causes, while it is postponed: from the question about the refusal until
-            another move is made.
+        put_off: the end that a refusal causes, while this end is postponed. The end is postponed from the question
+            about the refusal until another move is made.
         end: its end; None while it continues.
     """
 

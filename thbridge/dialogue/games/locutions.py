@@ -183,11 +183,11 @@ CONDITIONS: Mapping[str, Precondition] = {
         "the speaker has no argument for the content", lambda at, content: not _argued(at, content)
     ),
     "undecided": Precondition(
-        "the speaker believes neither the content nor its opposite, or was just refused the opposite",
+        "the speaker believes neither the content nor its opposite, or the listener just refused the opposite",
         _undecided,
     ),
     "news": Precondition(
-        "the speaker does not yet think that the listener believes the content or, of an argument, the conclusion",
+        "the speaker does not yet think that the listener believes the content (for an argument: its conclusion)",
         _news,
     ),
     "attributed": Precondition(
@@ -197,13 +197,13 @@ CONDITIONS: Mapping[str, Precondition] = {
         "the listener is taken to have an argument for the content", _thought_to_argue, _CLAIMS
     ),
     "answerable": Precondition(
-        "the listener is taken to have an opinion on the content, or to know the answer; or has refused the opposite",
+        "the listener is taken to have an opinion on the content or to know the answer, or just refused the opposite",
         _answerable,
         frozenset({ContentKind.LITERAL}),
     ),
     "said": Precondition("the listener has said the content, or accepted it", _said),
     "not shown": Precondition(
-        "the speaker has not shown an opinion on the content, or was just refused the opposite",
+        "the speaker has not shown an opinion on the content, or the listener just refused the opposite",
         lambda at, content: not _shown(at, content),
     ),
     "premises held": Precondition(
@@ -218,7 +218,7 @@ CONDITIONS: Mapping[str, Precondition] = {
 """Conditions by name. "Taken to" and "thinks" refer to the speaker's picture of the listener."""
 
 CONTRADICTIONS = (("held", "not held"), ("argued", "not argued"), ("news", "attributed"))
-"""Pairs of conditions that never hold together."""
+"""Pairs of conditions that exclude each other."""
 
 
 def _shows(speaker: Agent, listener: Agent, move: DialogueMove, _at: float) -> tuple[Agent, Agent]:
@@ -273,12 +273,12 @@ EFFECTS: Mapping[str, Postcondition] = {
     "claimed": Postcondition(
         "the content becomes the claim, which the speaker defends", lambda i, j, _move, _at: (i, j), _CLAIMS
     ),
-    "shown": Postcondition("the listener takes the speaker to hold the content, or not to know, from now on", _shows),
+    "shown": Postcondition("from now on, the listener takes the speaker to hold the content (or not to know)", _shows),
     "shown to be argued": Postcondition(
         "the listener takes the speaker to have an argument for the content", _argues, _CLAIMS
     ),
     "premises shown": Postcondition(
-        "the listener takes the speaker to hold the premises of the rule, from now on",
+        "from now on, the listener takes the speaker to hold the premises of the rule",
         _shows_premises,
         frozenset({ContentKind.RULE}),
     ),

@@ -36,19 +36,20 @@ class Obstacle:
 
 
 NO_CLAIM = Obstacle(
-    "no claim comes before it", "Let a reply before it make a claim: one whose locution has `claimed` after it"
+    "no earlier move makes a claim", "Add an earlier reply that makes a claim: its locution has the effect `claimed`"
 )
 _NOT_OFFERED = Obstacle(
-    "no support that the challenger could refer to comes before it", "Let the defender say `of: support` first"
+    "no earlier move states a support to refer to", "Let the defender say `of: support` first"
 )
 _NOT_ANNOUNCED = Obstacle(
-    "no argument that the challenger could refer to comes before it", "Let the defender say `of: argument` first"
+    "no earlier move states an argument to refer to", "Let the defender say `of: argument` first"
 )
 _TOO_LATE = Obstacle(
-    "the argument as a whole comes before its support, not after it", "Move it to the stage before, or write support"
+    "the argument as a whole comes before its support, not after it",
+    "Move this reply to an earlier stage, or write support",
 )
 _OWN_WORDS = Obstacle(
-    "it is the defender's turn, and before this locution the other side must have said the same",
+    "it is the defender's turn, but this locution repeats what the other side has said",
     "Give the turn to the challenger, or use another locution",
 )
 
@@ -70,7 +71,7 @@ def refuses_support(table: GameTable, position: TablePosition, reply: Reply, for
 
 
 def obstacle(table: GameTable, position: TablePosition, reply: Reply, form_of: FormOf) -> Obstacle | None:
-    """Return the reason why a reply is never legal in a position, whatever both sides believe, or None.
+    """Return the reason why a reply is never legal in a position, for any beliefs of both sides; or None.
 
     Args:
         table: the game.

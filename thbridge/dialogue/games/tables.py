@@ -12,7 +12,7 @@ from thbridge.dialogue.games.locutions import Locution
 class Slot(TableWord):
     """Place in a table for the content of a reply."""
 
-    TOPIC = "topic", "what the game is about"
+    TOPIC = "topic", "the topic of the game"
     OPPOSITE = "not topic", "the opposite of the topic"
     CLAIM = "claim", "the last assertion or proposal, which is being defended"
     SUPPORT = (
@@ -20,15 +20,15 @@ class Slot(TableWord):
         "the next part of an argument for the claim; parts that the listener already believes are omitted",
     )
     ARGUMENT = "argument", "the argument for the claim as a whole"
-    UNKNOWN = "unknown", "not to know about the topic"
+    UNKNOWN = "unknown", "the statement that the speaker knows nothing about the topic"
 
 
 class GameRole(TableWord):
     """Role in a game; a table gives the turn to a role."""
 
-    INITIATOR = "initiator", "the one who opened the game"
+    INITIATOR = "initiator", "the side that opened the game"
     RESPONDENT = "respondent", "the other side"
-    DEFENDER = "defender", "the one who made the claim"
+    DEFENDER = "defender", "the side that made the claim"
     CHALLENGER = "challenger", "the side that did not make the claim"
 
 
@@ -37,9 +37,9 @@ class DialogueEnd(TableWord):
 
     AGREEMENT = "agreement", "one side has accepted the other's claim"
     DISAGREEMENT = "disagreement", "a content was rejected"
-    UNKNOWN = "unknown", "the one who was asked does not know"
-    STALEMATE = "stalemate", "there is no legal move left; every game can end so"
-    WITHDRAWN = "withdrawn", "its matter is past"
+    UNKNOWN = "unknown", "the side that was asked does not know"
+    STALEMATE = "stalemate", "no legal move is left; every game can end in this way"
+    WITHDRAWN = "withdrawn", "the situation of the game is over"
 
 
 @dataclass(frozen=True, slots=True)

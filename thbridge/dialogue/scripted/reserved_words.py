@@ -1,4 +1,4 @@
-"""Reserved words of scripted questions: each stands for a fact in the topic of a dialogue."""
+"""Reserved words of scripted questions. Each word is replaced by a fact from the topic of a dialogue."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -55,7 +55,7 @@ WORDS = (
     ),
     ReservedWord(
         "confidence",
-        "the robot's confidence in its suggestion, in percent, if the study makes it state this",
+        "the robot's confidence in its suggestion, in percent, if the study asks for it",
         lambda topic, texts: (
             "" if topic.confidence is None else texts.text("words.percent", number=f"{100.0 * topic.confidence:.0f}")
         ),
@@ -93,13 +93,13 @@ def word_fault(wording: str, scenario: Scenario, properties: Sequence[TreasurePr
             continue
         if name in beside:
             return WordFault(
-                f"£{name}£ is known only at a treasure",
+                f"£{name}£ is known only in questions about a treasure",
                 "use it only in the sections TakePicture: and TakeTreasure:",
             )
         if any(word.name == name for word in WORDS):
             return WordFault(
                 f"£{name}£ is known only if the robot suggests a room",
-                "use it only in the first questions, those for a person who does not know",
+                "use it only in the first questions, which are for a person who does not know",
             )
     return spelling_fault(wording, allowed)
 

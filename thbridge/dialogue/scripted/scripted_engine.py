@@ -31,7 +31,7 @@ class ScriptedEngine:
 
     @property
     def argues(self) -> bool:
-        """False: scripts need no facts."""
+        """Always False, because scripts need no facts."""
         return False
 
     def open(

@@ -17,7 +17,7 @@ class Strategy(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class TemplateStrategy:
-    """The robot of 2016: it follows its script, which allows one move at a time."""
+    """The robot of 2016, which follows its script; the script allows one move at a time."""
 
     def choose(self, dialogue: Dialogue, legal: Sequence[Move]) -> Move:
         """Return the first legal move: the next question."""

@@ -1,4 +1,4 @@
-"""Trial of an author of wordings: sentences of robots in random conversations, with a collection of its faults."""
+"""Trial of an author of wordings: the author words sentences in random conversations, and its faults are collected."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -56,7 +56,7 @@ class AuthorTrial:
         elif (first.offered, first.refusal) != (again.offered, again.refusal):
             remedy = "Let it depend only on its request; otherwise games cannot be replayed"
             problem = "two requests for the same sentence gave different ones"
-            self._note(problem, remedy, (files, offered, f"Then it offered: {again.offered}"))
+            self._note(problem, remedy, (files, offered, f"The second time it offered: {again.offered}"))
         else:
             self.taken += first.offered is not None
 
@@ -86,7 +86,7 @@ def try_author(
             try:
                 request = request_of(wording, move, Side.ROBOT, condition=DialogueCondition.COLLABORATOR, chance=chance)
             except ValueError:
-                # A lab's own locution may not have words yet.
+                # A lab's own locution may still lack words.
                 continue
             trial.judge(partial(ask_author, author, request))
     return trial

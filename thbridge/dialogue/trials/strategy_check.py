@@ -1,4 +1,4 @@
-"""Trial of a program that chooses robots' moves: conversations of all kinds, with a collection of its faults."""
+"""Trial of a program that chooses robots' moves: it plays conversations of all kinds, and its faults are collected."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -55,7 +55,7 @@ class StrategyTrial:
     faults: dict[str, TrialFault] = field(default_factory=dict)
 
     def on_trial(self, manner: Manner, seed: int, /) -> GameStrategy:
-        """Return the strategy with a collection of its faults; see `StrategyFactory`."""
+        """Return the strategy, wrapped so that its faults are collected; see `StrategyFactory`."""
         return _OnTrial(self, manner, seed)
 
     def choose(self, manner: Manner, seed: int, conversation: Conversation, number: int) -> DialogueMove:
@@ -66,7 +66,7 @@ class StrategyTrial:
             remedy = "Correct it for the position below: it must return one of conversation.legal(number)"
             self._note(fault, remedy, _position(conversation, number))
         elif first != again:
-            remedy = "Let it depend only on manner, seed and conversation: keep no state, draw by the seed, sort sets"
+            remedy = "Let it depend only on manner, seed and conversation: keep no state, draw with the seed, sort sets"
             chose = f"It chose {first.move}, then {again.move}"
             position = (*_position(conversation, number), chose)
             self._note("two requests for the same position gave different moves", remedy, position)

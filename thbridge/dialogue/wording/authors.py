@@ -25,7 +25,7 @@ _WORD = r"\w+(?:['’]\w+)*"
 _TOKEN = re.compile(rf"\d+(?:[.,]\d+)*\w*|-(?=\s*\d)|[+−*/%=<>≤≥×÷±?‰°$€£]|[,;:.!…–—]|{_WORD}")
 _LISTED = re.compile(rf"\*?{_WORD}")
 LONGEST_OFFERED = 2000
-"""Number of characters that are kept of a refused sentence."""
+"""Largest number of characters that are kept of a refused sentence."""
 _DENIED = "not"
 _BREAK = ","
 _BREAKS = frozenset(",;:.!…–—")
@@ -78,7 +78,7 @@ class WordingAuthor(Protocol):
     """Author of sentences: a function."""
 
     def __call__(self, request: WordingRequest, /) -> str | None:
-        """Return a sentence for a request, or None to keep the one from the files."""
+        """Return a sentence for a request, or None to keep the sentence from the files."""
         ...
 
 
@@ -154,7 +154,7 @@ def request_of(
 
 
 def ask_author(author: WordingAuthor, request: WordingRequest) -> AuthoredSentence:
-    """Ask an author for a sentence, and check its offer; if an author raises an error, its offer is refused."""
+    """Ask an author for a sentence, and check its offer; if the author raises an error, its offer is refused."""
     try:
         # A copy, so that the check uses the original request even if the author changes its copy.
         offered: object = author(replace(request))
@@ -242,7 +242,7 @@ def _parts(text: str, request: WordingRequest) -> Iterator[str]:
 
 
 class _Listed:
-    """Words in a list of a grammar: `*n't` stands for all words with this end."""
+    """Words in a list of a grammar; `*n't` means all words with this end."""
 
     def __init__(self, words: Collection[str]) -> None:
         self._words = words

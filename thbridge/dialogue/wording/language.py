@@ -71,7 +71,7 @@ class Grammar:
         return self.names.get(name) or name_in_words(name)
 
     def named(self, names: Iterable[str]) -> str:
-        """Return a list of names for which one is right."""
+        """Return a list of alternative names."""
         return _listed(map(self.name, names), self.between, self.last_or)
 
     def all_of(self, clauses: Iterable[str]) -> str:
@@ -98,8 +98,8 @@ class PhraseWording:
         speaker: side to which the entry applies. If None, it applies to both sides.
         yes: wordings for the proposition.
         no: wordings for its negation.
-        simply_yes: wordings for the proposition in simpler words, which may leave values out; if empty, as `yes`.
-        simply_no: wordings for its negation in simpler words; if empty, as `no`.
+        simply_yes: wordings for the proposition in simpler words, which may leave values out. If empty, `yes` is used.
+        simply_no: wordings for its negation in simpler words. If empty, `no` is used.
     """
 
     of: str
@@ -117,7 +117,7 @@ class PhraseWording:
 
     @property
     def narrowing(self) -> tuple[object, ...]:
-        """Conditions of this entry, the most important first. A condition that it does not have is None."""
+        """Conditions of this entry, the most important first. None means that a condition is missing."""
         return self.robot, self.speaker
 
 
@@ -147,7 +147,7 @@ class MoveWording:
 
     @property
     def narrowing(self) -> tuple[object, ...]:
-        """Conditions of this entry, the most important first. A condition that it does not have is None."""
+        """Conditions of this entry, the most important first. None means that a condition is missing."""
         return self.condition, self.of, self.holds, self.robot
 
 

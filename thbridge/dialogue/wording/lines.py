@@ -1,4 +1,4 @@
-"""Lines that are no moves of games: beginnings and ends of dialogues, questions of a person, and answers of robots."""
+"""Lines that are not moves of games: beginnings and ends of dialogues, questions of a person, answers of robots."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -84,13 +84,15 @@ LINES: Mapping[LineKey, LineMeaning] = {
     LineKey.BACK: LineMeaning(Side.HUMAN, "asks no question after all"),
     LineKey.WHY_ROBOT: LineMeaning(Side.HUMAN, "asks why this robot, and not another one"),
     LineKey.WHY_NOW: LineMeaning(Side.HUMAN, "asks why now"),
-    LineKey.KNOWN: LineMeaning(Side.HUMAN, "asks for everything that the robot knows about it"),
+    LineKey.KNOWN: LineMeaning(Side.HUMAN, "asks for everything that the robot knows about the subject"),
     LineKey.CHANGE: LineMeaning(Side.HUMAN, "asks what would make the robot change its mind"),
     LineKey.SIMPLER: LineMeaning(Side.HUMAN, "asks the robot to say it again in simpler words"),
     LineKey.BECAUSE: LineMeaning(Side.ROBOT, "answers a question with its beliefs", _BECAUSE),
     LineKey.BECAUSE_NOT_KNOWN: LineMeaning(Side.ROBOT, "has no answer"),
     LineKey.CHANGED_BY: LineMeaning(
-        Side.ROBOT, "says what would change its mind; one of these is enough", {"because": ValueKind.ALTERNATIVES}
+        Side.ROBOT,
+        "says what would change its mind; each of these facts is enough",
+        {"because": ValueKind.ALTERNATIVES},
     ),
     LineKey.CHANGED_BY_NOTHING: LineMeaning(Side.ROBOT, "knows of nothing that would change its mind"),
 }

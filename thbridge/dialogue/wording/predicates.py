@@ -61,13 +61,13 @@ class ValueKind(StrEnum):
     NAME = "name"
     """Name of a treasure, a thing or a color."""
     NAMES = "names"
-    """Several names; one is right."""
+    """Several names; one of them is right."""
     CLAUSE = "clause"
     """A literal."""
     CLAUSES = "clauses"
     """Several literals that all hold."""
     ALTERNATIVES = "alternatives"
-    """Several literals; one is enough."""
+    """Several literals; one of them is enough."""
 
 
 PREPOSITIONS = ("to", "from", "in")

@@ -54,7 +54,7 @@ class Wording:
         Args:
             move: the move.
             speaker: the side that speaks.
-            condition: condition of the study; None for no particular one.
+            condition: condition of the study; None if the condition does not matter.
             `chance`: random number that chooses one of several wordings.
             simply: True for simpler words, which may leave values out.
 
@@ -106,9 +106,9 @@ class Wording:
         return {name: said[name] for name in predicate.values}
 
     def about(self, proposition: Proposition) -> AboutRobot | None:
-        """Return whether a proposition is about the robot of the dialogue or another one.
+        """Return the robot that a proposition is about: the robot of the dialogue, or another robot.
 
-        If None, it is about no robot.
+        If None, the proposition is about no robot.
         """
         predicate = predicate_of(proposition)
         if predicate is None or predicate.robot is None:
