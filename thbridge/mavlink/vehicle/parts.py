@@ -1,4 +1,4 @@
-"""Protocols through which the parts of a vehicle use each other."""
+"""Interfaces between the parts of a vehicle."""
 
 from collections.abc import Callable, Iterable
 from enum import IntEnum
@@ -12,42 +12,43 @@ from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 class Microservice(Protocol):
     """Microservice of a vehicle, such as its missions, parameters or commands.
 
-    It gets every message that is addressed to its vehicle, and ignores messages of other microservices.
+    It gets every message to its vehicle, and ignores messages of other microservices.
     """
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterable[OutgoingMessage]:
-        """Process a message and return the answers; by default, no message is processed."""
+        """Process a message and return the answers. By default, all messages are ignored."""
         return ()
 
     def step(self, tick: int, readings: RobotReadings) -> Iterable[OutgoingMessage]:
-        """Advance by one tick and return the messages that are due; by default, there are none."""
+        """Advance by one tick and return the messages that are due. By default, no messages are due."""
         return ()
 
     def forget(self, link: LinkId) -> None:
-        """Forget a closed link and its stations; by default, no state depends on links."""
+        """Forget a closed link and its stations. By default, no state depends on links."""
         return
 
 
 class MissionControl(Protocol):
-    """Mission of a vehicle, as its modes use it; it runs in mode AUTO only."""
+    """Mission of a vehicle, as its modes use it. It runs only in mode AUTO."""
 
     @property
     def running(self) -> bool:
-        """True while it drives the robot; this ends with the mission, and when an item fails."""
+        """True while the mission drives the robot. It becomes False when the mission ends or an item fails."""
 
     def start(self, first: int | None = None, last: int | None = None) -> Denied | None:
-        """Run it.
+        """Run the mission.
 
         Args:
-            first: the first item. If None, the current one, or item 0 after the end of the mission.
-            last: the last item. If None, the last one of the plan.
+            first: number of the first item. If None, start with the current item, or with item 0 if the mission has
+                ended.
+            last: number of the last item. If None, execute the plan to its end.
         """
 
     def pause(self) -> None:
-        """Stop running it and keep the current item. The caller must stop the robot."""
+        """Stop the mission and keep its current item. The caller must stop the robot."""
 
     def select(self, item: int) -> Denied | None:
-        """Make this item the next one: at once if the mission is running, otherwise at its start."""
+        """Make this item the next one. A running mission continues with it at once, another mission when it starts."""
 
     def current(self) -> Message:
         """Return MISSION_CURRENT."""
@@ -63,10 +64,10 @@ class TextSeverity(IntEnum):
 
 
 Announce: TypeAlias = Callable[[TextSeverity, str], None]
-"""Function by which a part sends a sentence to people; the sentence is queued as STATUSTEXT for all links."""
+"""Function that sends a sentence to people. It queues the sentence as STATUSTEXT for all links."""
 
 
 def announce_denial(announce: Announce, denied: Denied | None) -> None:
-    """Send the sentence of a denial, if there is one, as a warning."""
+    """Send the sentence of a denial as a warning. If there is no denial, do nothing."""
     if denied is not None:
         announce(TextSeverity.WARNING, denied.sentence)

@@ -1,4 +1,4 @@
-"""Small microservices: PING, TIMESYNC, the GPS origin and REQUEST_DATA_STREAM."""
+"""Small microservices: PING, TIMESYNC, GPS origin, REQUEST_DATA_STREAM."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from types import MappingProxyType
@@ -39,7 +39,7 @@ _GROUPS: Mapping[int, tuple[int, ...]] = MappingProxyType(
 
 
 class PingTimesync(Microservice):
-    """Small answers of one vehicle; `Streams` keeps the rates of links.
+    """Answers of one vehicle to small requests. `Streams` stores the rates of each link.
 
     Args:
         streams: rates of its messages.
@@ -52,7 +52,7 @@ class PingTimesync(Microservice):
         self._tick = 0
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """Answer one of these requests."""
+        """Answer a request for one of these services."""
         match message:
             case mav.MAVLink_ping_message():
                 # A PING with a target is an answer, not a request.
@@ -61,11 +61,11 @@ class PingTimesync(Microservice):
                     yield OutgoingMessage(answer, link)
             case mav.MAVLink_timesync_message():
                 if message.tc1 == 0:
-                    # An answer with a time of zero would count as another request.
+                    # A time of zero marks a request, so an answer must not contain it.
                     now = max(1, microseconds(self._tick) * 1000)
                     yield OutgoingMessage(mav.MAVLink_timesync_message(now, message.ts1), link)
             case mav.MAVLink_set_gps_global_origin_message():
-                # The study sets the map's origin; a station that tries to change it gets the current one.
+                # The study sets the map's origin. A station that tries to change it gets the current origin.
                 place = self._earth.geo_point(0.0, 0.0)
                 altitude = round(self._earth.altitude * 1000.0)
                 yield OutgoingMessage(
@@ -75,12 +75,12 @@ class PingTimesync(Microservice):
                 self._set_group(link, message)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterable[OutgoingMessage]:
-        """Store the time; no message is due."""
+        """Store the time. No messages are sent."""
         self._tick = tick
         return ()
 
     def _set_group(self, link: LinkId, message: mav.MAVLink_request_data_stream_message) -> None:
-        """Set the rate of a group of messages, or of all of them."""
+        """Set the rate of a group of messages, or of all groups."""
         rate = message.req_message_rate if message.start_stop else 0
         ticks = max(1, round(TICKS_PER_SECOND / rate)) if rate else OFF
         if message.req_stream_id == mav.MAV_DATA_STREAM_ALL:

@@ -1,4 +1,4 @@
-"""A robot as a MAVLink 2 ground rover, without sockets and clocks. It takes messages and returns messages.
+"""Robot as a MAVLink 2 ground rover, without sockets and clocks. It receives messages and returns messages.
 
 Source: the MAVLink developer guide, "Microservices".
 """
@@ -37,8 +37,8 @@ from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage, VehicleStatu
 class Vehicle:
     """MAVLink vehicle of one robot.
 
-    While the robot's software does not respond, the vehicle neither processes nor sends messages, so that ground
-    stations lose it like a real vehicle.
+    While the robot's software does not respond, the vehicle neither processes nor sends messages. So ground stations
+    lose it like a real vehicle.
 
     Args:
         system: its system id, 1 to 250.
@@ -123,7 +123,7 @@ class Vehicle:
         yield from self._texts.step(tick)
 
     def keep_alive(self) -> Iterator[OutgoingMessage]:
-        """Return a heartbeat with the current state, for a period without ticks."""
+        """Return a heartbeat with the current state, because stations lose a silent vehicle even during a pause."""
         if self._readings.responsive:
             yield from self._heartbeat()
 
@@ -139,9 +139,10 @@ class Vehicle:
         return TelemetryState(self._tick, self._readings, modes.mode, modes.armed, self._control.commander_id)
 
     def _stream(self, tick: int) -> Iterator[OutgoingMessage]:
-        """Yield the messages that are due, and a heartbeat at once if mode or arming has changed."""
+        """Yield the messages that are due. If mode or arming has changed, also yield a heartbeat."""
         state = self._state
         shown = (state.mode, state.armed)
+        # Several links may get the same message, which is made only once.
         made: dict[int, Message | None] = {}
         for due in self._streams.due(tick):
             number = due.message

@@ -1,1 +1,1 @@
-"""MAVLink as bytes: messages, frames, links, and their numbers for modes and coordinates."""
+"""MAVLink as bytes: messages, frames, links, and MAVLink's numbers for modes and coordinates."""

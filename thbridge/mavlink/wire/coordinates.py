@@ -1,6 +1,6 @@
 """Conversions between MAVLink's coordinate frames and the map: points, headings and velocities.
 
-The map has x east and y north, and angles anticlockwise from east. MAVLink has north first, then east, and angles
+The map has x east and y north, and angles anticlockwise from east. MAVLink has x north and y east, and angles
 clockwise from north. Heights are ignored, because all robots are on one floor.
 """
 
@@ -22,23 +22,22 @@ GLOBAL = frozenset(
         mav.MAV_FRAME_GLOBAL_TERRAIN_ALT_INT,
     }
 )
-"""Frames with latitude and longitude; they differ only in their heights."""
+"""Frames with latitude and longitude. They differ only in their heights."""
 
 _BODY = frozenset({mav.MAV_FRAME_BODY_NED, mav.MAV_FRAME_BODY_OFFSET_NED, mav.MAV_FRAME_BODY_FRD})
 
 LOCAL = _BODY | {mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_LOCAL_OFFSET_NED}
-"""Frames in meters. Their origin is that of the map or the robot, and their axes are those of the map or of the
-robot."""
+"""Frames in meters. Their origin is the map's origin or the robot, and their axes are those of the map or the robot."""
 
 PER_METRE = 10_000
-"""COMMAND_INT and MISSION_ITEM_INT give meters of `LOCAL` in ten-thousandths."""
+"""Units per meter in COMMAND_INT and MISSION_ITEM_INT for frames of `LOCAL`."""
 
 _TURN_RATE = 2.0
-"""Rate of turn in radians per second, for each radian between the robot's heading and the wanted direction."""
+"""Angular velocity in rad/s for each radian between the robot's heading and the wanted direction."""
 
 
 def yaw_of(theta: float) -> float:
-    """Convert a direction of the map to MAVLink's yaw, radians from north, clockwise, in [-pi, pi)."""
+    """Convert a direction of the map to MAVLink's yaw: radians clockwise from north, in [-pi, pi)."""
     return wrap_angle(math.pi / 2.0 - theta)
 
 
@@ -48,12 +47,12 @@ def theta_of(yaw: float) -> float:
 
 
 def compass(theta: float) -> float:
-    """Convert a direction of the map to degrees from north, clockwise, in [0, 360)."""
+    """Convert a direction of the map to degrees clockwise from north, in [0, 360)."""
     return math.degrees(yaw_of(theta)) % 360.0
 
 
 def quaternion(theta: float) -> tuple[float, float, float, float]:
-    """Convert a direction of the map to a quaternion about MAVLink's down axis, w first."""
+    """Convert a direction of the map to a quaternion (w, x, y, z) of a rotation about MAVLink's down axis."""
     half = yaw_of(theta) / 2.0
     w, z = elementary.cos_sin(half)
     return w, 0.0, 0.0, z
@@ -66,7 +65,7 @@ def north_east(twist: Twist, theta: float) -> tuple[float, float]:
 
 
 def point_in_map(frame: int, first: float, second: float, base_in_map: Pose2) -> tuple[float, float]:
-    """Return the map point for coordinates in a frame of `LOCAL`: north and east, or forward and right."""
+    """Return the map point for coordinates in a frame of `LOCAL`. They are north and east, or forward and right."""
     if frame in _BODY:
         away = base_in_map.compose(Pose2(first, -second, 0.0))
         return away.x, away.y
@@ -78,11 +77,11 @@ def point_in_map(frame: int, first: float, second: float, base_in_map: Pose2) ->
 def twist_towards(
     frame: int, first: float, second: float, yaw_rate: float, base_in_map: Pose2, fastest: Twist
 ) -> Twist:
-    """Return the twist by which a robot, which cannot move sideways, follows a velocity in a frame of `LOCAL`.
+    """Return the twist by which a robot follows a velocity in a frame of `LOCAL`. Robots cannot move sideways.
 
-    In body frames, the twist has the forward part of the velocity and the yaw rate. In map frames, the robot turns
-    toward the direction of the velocity, and drives at the speed times the cosine of the remaining angle. Without a
-    velocity, it turns at the given rate.
+    In body frames, the twist consists of the forward velocity and the yaw rate. In map frames, the robot turns toward
+    the direction of the velocity. Meanwhile it drives at the speed times the cosine of the remaining angle. If the
+    velocity is 0, it turns at the yaw rate.
     """
     if frame in _BODY:
         return bounded(Twist(first, -yaw_rate), fastest)

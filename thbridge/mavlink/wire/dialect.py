@@ -25,7 +25,7 @@ __all__ = [
 ]
 
 BROADCAST = 0
-"""Target id that addresses every system, or every component."""
+"""Target id that addresses all systems or all components."""
 
 TEXT_SIZE = 50
 """Number of bytes of text in one STATUSTEXT."""
@@ -33,7 +33,7 @@ TEXT_SIZE = 50
 _KINDS = mav.mavlink_map | ADDED
 
 SECRETS = frozenset({mav.MAVLINK_MSG_ID_SETUP_SIGNING})
-"""Messages that contain a key. They are discarded on receipt, so that they are neither forwarded nor recorded."""
+"""Messages that contain a key. They are discarded when they arrive, so that they are neither forwarded nor recorded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,9 +41,9 @@ class _Field:
     """Position of a field in a payload.
 
     Attributes:
-        name: attribute of the message class that contains it in wire form.
+        name: attribute of the message class that contains the field in the form of the wire.
         start: index of its first value among the payload's values.
-        stop: index after its last value; text is one value.
+        stop: index after its last value. A text is one value.
         is_array: True if its value is a list.
     """
 
@@ -59,7 +59,7 @@ class _Layout:
 
     Attributes:
         kind: the message's class.
-        seed: CRC_EXTRA byte, which is added to the checksum.
+        seed: CRC_EXTRA byte, which the checksum includes.
         values: struct of all its values.
         fields: fields in the order of the payload.
         declared: the same fields, in the order of the class's arguments.
@@ -73,13 +73,13 @@ class _Layout:
 
 
 def crc_extra(message_id: int) -> int | None:
-    """Return CRC_EXTRA, the seed that a message's layout adds to the checksum, or None for an unknown message."""
+    """Return CRC_EXTRA of a message: a byte for its layout, which checksums include. None if it is unknown."""
     layout = _LAYOUTS.get(message_id)
     return None if layout is None else layout.seed
 
 
 def longest_payload(message_id: int) -> int:
-    """Return the size of a payload with all extensions, in bytes; 0 for an unknown message."""
+    """Return the size in bytes of a payload with all extensions, or 0 if the message is unknown."""
     layout = _LAYOUTS.get(message_id)
     return 0 if layout is None else layout.values.size
 
@@ -91,12 +91,12 @@ def name_of(message_id: int) -> str:
 
 
 def payload_of(message: Message) -> bytes:
-    """Encode a message's payload; zeros at its end (except the first byte) are cut off, as in MAVLink 2.
+    """Encode a message's payload. As in MAVLink 2, zeros at its end are cut off, except in its first byte.
 
     Raises:
         struct.error, OverflowError: a field does not fit into its type.
     """
-    # The message's own class is used, because it may have more fields at its end than the dialect's.
+    # The message's own class may have more fields at its end than the dialect's class.
     layout = _BY_CLASS.get(type(message)) or _layout_of(type(message))
     values: list[object] = []
     for field in layout.fields:
@@ -110,7 +110,7 @@ def payload_of(message: Message) -> bytes:
 
 
 def decoded(message_id: int, payload: bytes) -> Message | None:
-    """Decode a payload of any length: missing bytes are zero, surplus bytes are ignored.
+    """Decode a payload of any length. Missing bytes count as zero, and surplus bytes are ignored.
 
     Returns:
         The message, or None if the dialect does not contain it.
@@ -127,14 +127,14 @@ def decoded(message_id: int, payload: bytes) -> Message | None:
         else:
             value = values[field.start]
             fields.append(value.rstrip(b"\0") if isinstance(value, bytes) else value)
-    # Each message class takes its fields by position.
+    # Each message class expects its fields as positional arguments.
     return cast(Message, cast("type[_AnyFields]", layout.kind)(*fields))
 
 
 def target_of(message: Message) -> tuple[int, int]:
-    """Return the target system and component of a message; `BROADCAST` if it has none."""
+    """Return the target system and component of a message. A missing target is `BROADCAST`."""
     if isinstance(message, mav.MAVLink_manual_control_message):
-        # This is the only message with another name for its target field.
+        # Only in this message the target field has another name.
         return message.target, BROADCAST
     system: object = getattr(message, "target_system", BROADCAST)
     component: object = getattr(message, "target_component", BROADCAST)
@@ -143,13 +143,13 @@ def target_of(message: Message) -> tuple[int, int]:
 
 class _AnyFields:
     def __init__(self, *fields: object) -> None:
-        """Accept the fields by position, as every message class does."""
+        """Accept the fields as positional arguments, like every message class."""
 
 
 def _layout_of(kind: type[Message]) -> _Layout:
     fields, place = [], 0
     for index, (name, length) in enumerate(zip(kind.ordered_fieldnames, kind.lengths, strict=True)):
-        # A message shows text as a str up to its first zero; in addition, it keeps the bytes.
+        # For a text field, a message has a str that ends at the first zero, and also the original bytes.
         is_text = kind.array_lengths[index] > 0 and length == 1
         fields.append(_Field(f"_{name}_raw" if is_text else name, place, place + length, length > 1))
         place += length

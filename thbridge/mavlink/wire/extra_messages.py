@@ -1,6 +1,6 @@
-"""Messages and fields of MAVLink's `common` that pymavlink's dialect `all` lacks, in the form that its generator makes.
+"""Messages and fields of MAVLink's `common` that pymavlink's dialect `all` does not have, in pymavlink's form.
 
-Source: the MAVLink developer guide, "Packet Serialization": order of fields, "CRC_EXTRA calculation".
+Source: the MAVLink developer guide, "Packet Serialization", on the order of fields and on CRC_EXTRA.
 """
 
 import re
@@ -18,7 +18,7 @@ _FORMATS = {"char": "s", "uint8_t": "B", "uint16_t": "H", "uint32_t": "I"}
 
 
 class _Field(NamedTuple):
-    """Declaration of a field: type, array length (0 for no array) and name."""
+    """Declaration of a field: type, name and length. The length is 0 if the field is not an array."""
 
     kind: str
     length: int
@@ -30,7 +30,7 @@ class _Field(NamedTuple):
 
     @property
     def values(self) -> int:
-        """Number of values in a payload; text is one value."""
+        """Number of values in a payload. A text is one value."""
         return 1 if self.kind == "char" else max(1, self.length)
 
 
@@ -45,11 +45,12 @@ class _Added(Message):
     """Message class built from field declarations.
 
     Args:
-        values: values of the fields in the order of declaration; text as bytes.
+        values: values of the fields in the order of declaration. Texts are bytes.
     """
 
     def __init_subclass__(cls, *, number: int, name: str, fields: tuple[str, ...]) -> None:
         declared = [_field(declaration) for declaration in fields]
+        # MAVLink sends larger types first. Fields of the same size keep their order.
         on_wire = sorted(declared, key=lambda field: -struct.calcsize(_FORMATS[field.kind]))
         cls.id, cls.msgname = number, name
         cls.fieldnames = [field.name for field in declared]
@@ -66,7 +67,7 @@ class _Added(Message):
         self._fieldnames = self.fieldnames
         for name, value in zip(self.fieldnames, values, strict=True):
             if isinstance(value, bytes):
-                # Text is kept as in the generated classes.
+                # Like the generated classes, store a text as bytes and as str.
                 setattr(self, f"_{name}_raw", value)
                 setattr(self, name, value.split(b"\0", 1)[0].decode("ascii", errors="replace"))
             else:
@@ -74,7 +75,7 @@ class _Added(Message):
 
 
 def _crc_extra(name: str, on_wire: list[_Field]) -> int:
-    """Return CRC_EXTRA, the seed of a message's checksum, from its fields in wire order."""
+    """Return CRC_EXTRA of a message from its fields in the order of the wire."""
     text = f"{name} ".encode()
     for field in on_wire:
         text += f"{field.kind} {field.name} ".encode() + (bytes((field.length,)) if field.length else b"")
@@ -105,7 +106,7 @@ class ProtocolVersion(
         "uint8_t[8] library_version_hash",
     ),
 ):
-    """Supported versions of MAVLink, times 100; the hashes are zero."""
+    """Supported versions of MAVLink, times 100. The hashes are zero."""
 
 
 class ComponentMetadata(
@@ -129,7 +130,7 @@ class ComponentInformation(
         "char[100] peripherals_metadata_uri",
     ),
 ):
-    """Predecessor of COMPONENT_METADATA, which older stations still request."""
+    """Predecessor of COMPONENT_METADATA. Older stations still request it."""
 
 
 _OURS = (CommandCancel, ProtocolVersion, ComponentInformation, ComponentMetadata)
@@ -138,7 +139,7 @@ ADDED: dict[int, type[Message]] = {kind.id: kind for kind in _OURS}
 
 
 def extended(declaration: str) -> Callable[[type[M]], type[M]]:
-    """Return a class decorator that appends an extension field to a generated message; CRC_EXTRA stays the same."""
+    """Return a class decorator that appends an extension field to a generated message. CRC_EXTRA stays the same."""
     field = _field(declaration)
 
     def with_field(kind: type[M]) -> type[M]:

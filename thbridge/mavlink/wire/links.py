@@ -1,4 +1,4 @@
-"""State of each link: its senders and when they last sent, lost frames and dropped frames."""
+"""State of each link: its senders, the times of their last frames, lost frames and dropped frames."""
 
 from collections import Counter
 from dataclasses import dataclass, field
@@ -8,16 +8,16 @@ from thbridge.mavlink.values.vehicle_interface import Station
 from thbridge.mavlink.wire.frames.frame import missing_between
 
 MOST_STATIONS = 16
-"""Largest number of senders on one link; frames of further senders are dropped."""
+"""Maximum number of senders on one link. Frames of further senders are dropped."""
 
 
 class DropReason(StrEnum):
-    """Reason why a complete frame is dropped; completes the log message "a frame was dropped: ..."."""
+    """Reason why a complete frame is dropped. It completes the log message "a frame was dropped: ..."."""
 
     OURS = "its sender has the ids of one of our vehicles"
     BROADCAST_SENDER = "its sender has the system id 0, which means all systems"
-    CROWDED = f"{MOST_STATIONS} other senders use this link already"
-    SECRET = "it carries a signing key, and keys come from a file"
+    CROWDED = f"{MOST_STATIONS} other senders already use this link"
+    SECRET = "it contains a signing key, but keys must come from a file"
     UNKNOWN = "its message is not in the dialect"
 
 
@@ -38,8 +38,8 @@ class HubLink:
         timeout: ticks after a frame for which its sender counts as present.
         robot: index of the only vehicle on the link. If None, all vehicles are on the link.
         received: number of frames received and accepted.
-        lost: number of frames lost, according to gaps in the senders' sequence numbers.
-        dropped: number of frames dropped, by reason.
+        lost: number of lost frames, according to gaps in the senders' sequence numbers.
+        dropped: number of dropped frames, by reason.
         sent: number of frames sent.
     """
 
@@ -64,14 +64,14 @@ class HubLink:
         return self.robot in (None, robot)
 
     def has_room_for(self, station: Station, tick: int) -> bool:
-        """Return True if frames of this sender are accepted; a new sender replaces a stale one."""
+        """Return True if frames of this sender are accepted. A new sender may replace a stale sender."""
         known = self._stations
         return (
             station in known or len(known) < MOST_STATIONS or not all(self.is_present(other, tick) for other in known)
         )
 
     def record_frame(self, station: Station, sequence: int, tick: int) -> None:
-        """Record a frame from a sender whose frames are accepted."""
+        """Count a frame of an accepted sender."""
         last = self._stations.get(station)
         if last is None:
             if len(self._stations) >= MOST_STATIONS:
@@ -93,14 +93,14 @@ class HubLink:
         return last is not None and tick - last.tick <= self.timeout
 
     def leads_to(self, system: int, component: int | None, tick: int) -> bool:
-        """Return True if a frame of this system arrived within the timeout; None means any component."""
+        """Return True if a frame of this sender arrived within the timeout. None stands for any component."""
         return any(
             station.system == system and component in (None, station.component) and tick - last.tick <= self.timeout
             for station, last in self._stations.items()
         )
 
     def next_sequence(self, system: int) -> int:
-        """Return the sequence number of the next frame that a vehicle sends here."""
+        """Return the sequence number of the next frame that a vehicle sends on this link."""
         number = self._counts.get(system, 0)
         self._counts[system] = (number + 1) % 256
         self.sent += 1

@@ -1,7 +1,8 @@
 """Modes of a vehicle, and their numbers for ground stations.
 
 ArduPilot's rovers have one number per mode. PX4 has a main mode and a sub mode. A vehicle that claims to be ArduPilot
-uses ArduPilot's numbers. A generic vehicle uses PX4's, as MAVSDK expects of every autopilot except ArduPilot.
+uses ArduPilot's numbers. A generic vehicle uses PX4's numbers, because MAVSDK expects them of every autopilot except
+ArduPilot.
 
 Source: ArduPilot, Rover, `Mode::Number`; PX4, `px4_custom_mode.h`.
 """
@@ -13,7 +14,7 @@ from thbridge.mavlink.wire.dialect import mav
 
 
 class Mode(StrEnum):
-    """Flight mode of a vehicle; the value is the mode's name for people."""
+    """Flight mode of a vehicle. The value is the mode's name for people."""
 
     HOLD = "HOLD"
     GUIDED = "GUIDED"
@@ -37,17 +38,17 @@ _ASKED_ARDUPILOT = {number: mode for mode, number in _ARDUPILOT.items()}
 _ASKED_GENERIC = (
     {(number, 0): mode for mode, number in _ARDUPILOT.items()}
     | {numbers: mode for mode, numbers in _PX4.items()}
-    # PX4's manual modes with different degrees of assistance.
+    # PX4 has several manual modes with different degrees of assistance.
     | {(_PX4_ALTCTL, 0): Mode.MANUAL, (_PX4_POSCTL, 0): Mode.MANUAL}
 )
-"""Modes by ArduPilot's numbers. MAVProxy and mavutil send these numbers to every vehicle that does not claim to be PX4.
-No number is ambiguous."""
+"""Modes by PX4's numbers and by ArduPilot's numbers. MAVProxy and mavutil send ArduPilot's numbers to every vehicle
+that does not claim to be PX4. No number is ambiguous."""
 
 _STANDARD = {Mode.RETURN: mav.MAV_STANDARD_MODE_SAFE_RECOVERY, Mode.AUTO: mav.MAV_STANDARD_MODE_MISSION}
 
 
 def custom_mode(identity: AutopilotIdentity, mode: Mode) -> int:
-    """Return `custom_mode` of heartbeats for a mode."""
+    """Return the number of a mode for the field `custom_mode` of heartbeats."""
     if identity is AutopilotIdentity.ARDUPILOT:
         return _ARDUPILOT[mode]
     main, sub = _PX4[mode]
@@ -70,7 +71,7 @@ def requested_mode(identity: AutopilotIdentity, main: int, sub: int) -> Mode | N
 
 
 def standard_mode(mode: Mode) -> int:
-    """Return a mode's code of MAV_STANDARD_MODE; 0 if the standard has no such mode."""
+    """Return a mode's code of MAV_STANDARD_MODE, or 0 if the standard does not have this mode."""
     return _STANDARD.get(mode, mav.MAV_STANDARD_MODE_NON_STANDARD)
 
 

@@ -1,4 +1,4 @@
-"""Output of a vehicle: messages for links, and its status."""
+"""Output of a vehicle: messages for links, and the vehicle's status."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NewType
@@ -15,9 +15,9 @@ class OutgoingMessage:
 
     Attributes:
         message: the message.
-        link: the only link it goes to. If None, it goes to all active links.
-        except_links: links that it does not go to, because they requested another rate.
-        to_inactive: True if it also goes to inactive links, as heartbeats do.
+        link: only link that gets the message. If None, all active links get it.
+        except_links: links that do not get the message, because they requested another rate.
+        to_inactive: True if inactive links also get the message, such as a heartbeat.
     """
 
     message: "Message"
@@ -31,10 +31,10 @@ class VehicleStatus:
     """Status of a vehicle as in mavros_msgs/State.
 
     Attributes:
-        connected: True if its software responds; mavros: a heartbeat is received.
+        connected: True if its software responds. In mavros, it means that heartbeats arrive.
         armed: True if its motors are enabled.
         guided: True if it drives to given goals.
-        manual_input: True if it is driven by hand.
+        manual_input: True if a person drives it by hand.
         mode: name of its mode.
         system_status: a code of MAV_STATE.
     """

@@ -1,8 +1,8 @@
-"""Telemetry logs in the format of ground stations: each frame follows its time of receipt or sending in microseconds.
+"""Telemetry logs in the format of ground stations. Before each frame is the time at which it was received or sent.
 
 Source: the format of MAVProxy's and QGroundControl's `.tlog` files.
 
-Differs: the times are not real times, but the time stamps of the bag next to the log, so tools show dates of January
+Differs: the times are not real times, but the time stamps of the bag next to the log. So tools show dates of January
 1970.
 """
 
@@ -18,7 +18,7 @@ _STAMP = struct.Struct(">Q")
 
 
 class Tlog:
-    """Log of all vehicles, like a link on which each message is sent once.
+    """Log of all vehicles. It is like a link on which each message is sent once.
 
     The frames of vehicles get the log's own sequence numbers, so that tools report no lost frames.
     """
@@ -27,12 +27,11 @@ class Tlog:
         self._counts: defaultdict[int, int] = defaultdict(int)
 
     def records(self, microseconds: int, traffic: Iterable[Traffic]) -> bytes:
-        """Return the bytes to append for a list of frames, in order.
+        """Return the bytes to append to the log for these frames, in order.
 
         Args:
-            microseconds: time of the traffic.
-            traffic: frames of one tick; a message that was sent to several links, or received by several vehicles,
-                occurs several times in a row.
+            microseconds: time at which the frames were received or sent.
+            traffic: frames of one tick. If several links or vehicles got a message, it occurs several times in a row.
         """
         stamp = _STAMP.pack(microseconds)
         records: list[bytes] = []
@@ -50,7 +49,7 @@ class Tlog:
 
 
 def _same(last: Traffic, one: Traffic) -> bool:
-    """Return True if both are the same message, received by another vehicle or sent on another link."""
+    """Return True if both frames contain the same message, for another vehicle or on another link."""
     if one.incoming:
         return last.incoming and last.frame is one.frame
     content = (one.robot, one.frame.message_id, one.frame.payload)

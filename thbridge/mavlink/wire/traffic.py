@@ -1,4 +1,4 @@
-"""Frames between links and vehicles: sent frames, results of received frames, and the record of both."""
+"""Frames between links and vehicles: sent frames, results of received frames, and the list of both for recordings."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from thbridge.mavlink.wire.outgoing import LinkId
 
 @dataclass(frozen=True, slots=True)
 class OutgoingFrame:
-    """Frame to be sent on a link."""
+    """Frame that must be sent on a link."""
 
     link: LinkId
     frame: Frame
@@ -21,8 +21,8 @@ class FrameOutcome:
     """Result of a received frame.
 
     Attributes:
-        dropped: reason why it had no effect; None if it had an effect.
-        replies: frames to be sent at once.
+        dropped: reason why the frame was dropped. None if it was processed.
+        replies: frames that must be sent at once.
     """
 
     dropped: DropReason | None = None
@@ -35,7 +35,7 @@ class Traffic:
 
     Attributes:
         robot: index of the vehicle in the team.
-        incoming: True if the vehicle received it; False if it sent it.
+        incoming: True if the vehicle received the frame. False if the vehicle sent it.
         link: name of the link.
         frame: frame without its signature.
     """

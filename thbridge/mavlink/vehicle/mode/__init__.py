@@ -1,1 +1,1 @@
-"""Modes: the mode state machine, the station in command, manual control, the home position."""
+"""Modes: mode state machine, station that commands the robot, manual control, home position."""

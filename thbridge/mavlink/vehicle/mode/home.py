@@ -1,7 +1,7 @@
-"""Home position of a robot: its start pose, until a ground station sets another.
+"""Home position of a robot. It is the start pose until a ground station sets another position.
 
 Source: MAVLink's `common.xml`, MAV_CMD_DO_SET_HOME, SET_HOME_POSITION and HOME_POSITION.
-Differs: a home position where the robot cannot stand is refused at once, not when the robot returns to it.
+Differs: if the robot cannot stand at a new home position, the position is refused at once, not at the return to it.
 """
 
 import math
@@ -26,7 +26,7 @@ _NO_HEADING = (math.nan,) * 4
 
 
 class HomePosition(Microservice):
-    """Home position of one vehicle; other parts handle the messages that set it.
+    """Home position of one vehicle. Other microservices handle the messages that set it.
 
     Args:
         robot: interface to the robot.
@@ -50,21 +50,21 @@ class HomePosition(Microservice):
         return self._earth.geo_point(self.target.x, self.target.y)
 
     def set_here(self) -> Denied | None:
-        """Set it to the robot's current pose."""
+        """Set the home position to the robot's current pose."""
         if self._readings.lost:
             return Denied("The robot does not know where it is.", DenialKind.NOT_NOW)
         here = self._readings.base_in_map
         return self.set_to(Target(here.x, here.y, here.theta))
 
     def set_to(self, target: Target) -> Denied | None:
-        """Set it to another place. A robot that is returning continues to the earlier home position."""
+        """Set the home position to another place. A robot that is returning continues to the earlier home position."""
         denied = self._robot.misplaced(target.x, target.y)
         if denied is None:
             self.target, self._is_news = target, True
         return denied
 
     def position(self, tick: int) -> Message:
-        """Return HOME_POSITION for a tick."""
+        """Return the message HOME_POSITION for a tick."""
         home, place = self.target, self.place
         where = (place.latitude, place.longitude, round(self._earth.altitude * 1000.0), home.y, home.x, 0.0)
         heading = _NO_HEADING if home.heading is None else quaternion(home.heading)
@@ -72,7 +72,7 @@ class HomePosition(Microservice):
         return mav.MAVLink_home_position_message(*where, list(heading), *approach, now)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """Return HOME_POSITION for all links after a change."""
+        """Return the message HOME_POSITION for all links if the home position has changed."""
         self._readings = readings
         if self._is_news:
             self._is_news = False

@@ -1,6 +1,6 @@
-"""Manual control: stick positions or velocities that are sent repeatedly and are valid only for a short time.
+"""Manual control by stick positions or velocities. Stations send them repeatedly; each is valid only for a short time.
 
-Source: ArduPilot, Rover, `mode_guided.cpp` and the parameter RC_OVERRIDE_TIME, for the three seconds: scripts for
+Source of the three seconds: ArduPilot, Rover, `mode_guided.cpp` and the parameter RC_OVERRIDE_TIME. Scripts for
 ArduPilot send a velocity once per second.
 """
 
@@ -18,7 +18,7 @@ _DEADMAN = {AutopilotIdentity.GENERIC: TICKS_PER_SECOND // 2, AutopilotIdentity.
 
 @dataclass(frozen=True, slots=True)
 class VelocitySetpoint:
-    """Velocity setpoint; see `coordinates.twist_towards` for the fields."""
+    """Velocity setpoint. See `coordinates.twist_towards` for its fields."""
 
     frame: int
     first: float
@@ -48,7 +48,7 @@ class ManualControl:
         return self._until is not None
 
     def follow(self, wanted: Twist | VelocitySetpoint) -> Denied | None:
-        """Drive as commanded, within the speed limits. A velocity is converted to a command again in each tick."""
+        """Drive as commanded, within the speed limits. In each tick, a velocity is converted to a twist again."""
         denied = self._steer(wanted)
         if denied is None:
             self._wanted, self._until = wanted, self._tick + self._deadman
@@ -59,7 +59,7 @@ class ManualControl:
         self._wanted = self._until = None
 
     def step(self, tick: int, base_in_map: Pose2) -> None:
-        """Follow the last command until it is too old; then stop."""
+        """Follow the last command. When it is too old, stop the robot."""
         self._tick, self._base_in_map = tick, base_in_map
         if self._until is None or self._wanted is None:
             return
@@ -67,6 +67,7 @@ class ManualControl:
             self.release_control()
             self._robot.drive(STANDSTILL)
         else:
+            # A robot drives by hand for half a second only, and a velocity in the map depends on the robot's heading.
             self._steer(self._wanted)
 
     def _steer(self, wanted: Twist | VelocitySetpoint) -> Denied | None:

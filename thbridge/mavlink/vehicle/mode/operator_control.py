@@ -1,4 +1,4 @@
-"""Operator control: the ground station in command of a robot, and the loss of its heartbeats."""
+"""Operator control: the ground station that commands a robot, and the loss of its heartbeats."""
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.mavlink.values.conventions import BY_OTHERS, BY_PARTICIPANT
@@ -14,22 +14,23 @@ from thbridge.mavlink.values.vehicle_interface import (
 from thbridge.mavlink.vehicle.parts import Announce, TextSeverity
 
 _AWAY = TICKS_PER_SECOND
-"""Number of ticks with another commander after which control counts as taken away. It is not 0, because the readings
+"""Number of ticks with another commander after which the station has lost command. It is not 0, because the readings
 show the game's reaction to a vehicle's request only some ticks later.
 """
 
 
 class OperatorControl:
-    """The vehicle's knowledge of who commands its robot.
+    """Commander of a robot, as its vehicle knows it.
 
     Args:
         robot: interface to the robot.
         lost_after: seconds without a heartbeat after which a station is lost.
-        announce: sends texts to people, about each change of command.
+        announce: sends a text to people at each change of the commander.
 
     Attributes:
-        lost_after: see `Args`; can be changed.
-        station: the station in command, or None. It stays the same while a researcher drives the robot for a time.
+        lost_after: see `Args`. It may be changed.
+        station: the ground station that commands the robot, or None. It stays the same while a researcher drives the
+            robot for some time.
     """
 
     def __init__(self, robot: VehicleInterface, lost_after: float, announce: Announce) -> None:
@@ -51,7 +52,7 @@ class OperatorControl:
 
     @property
     def is_lost(self) -> bool:
-        """True if heartbeats of the station in command are overdue."""
+        """True if the station that commands the robot has sent no heartbeat within the timeout."""
         return self.station is not None and self._tick - self._last_heartbeat > self._timeout
 
     @property
@@ -76,13 +77,13 @@ class OperatorControl:
         return reserved
 
     def reserved(self, station: Station) -> Denied | None:
-        """Return a denial if another station is in command, for settings that take effect later; otherwise None."""
+        """Return a denial if another station commands the robot. It applies to settings that have an effect later."""
         if self.station in (None, station):
             return None
         return Denied(f"Commanded by {self.station}.")
 
     def take(self, station: Station, by_force: bool = False) -> Denied | None:
-        """Put a station in command; force is needed to replace another station that is not lost."""
+        """Let a station command the robot. `by_force` is required to replace another station that is not lost."""
         if station == self.station:
             return None
         if self.station is not None and not by_force and not self.is_lost:
@@ -94,19 +95,19 @@ class OperatorControl:
         return denied
 
     def release(self) -> None:
-        """Return command to the participant if a station has it."""
+        """Let the participant command the robot again if a station commands it."""
         if self.station is not None:
             self.station = None
             self._robot.release()
             self._announce(TextSeverity.NOTICE, "Commanded by the participant again.")
 
     def heartbeat(self, station: Station) -> None:
-        """Record a heartbeat, of any component of a station."""
+        """Store the time of a heartbeat from any component of a station."""
         if self.station is not None and station.system == self.station.system:
             self._last_heartbeat = self._tick
 
     def follow(self, tick: int, readings: RobotReadings) -> bool:
-        """Advance by one tick; return True if command was taken from the station."""
+        """Advance by one tick. Return True if the station has lost command to another commander."""
         self._tick, self._readings = tick, readings
         if self.station is None or readings.commander == str(self.station) or self.is_overruled:
             self._away = 0

@@ -1,4 +1,4 @@
-"""Manual control and setpoints, which drive a robot without acknowledgement, many times per second."""
+"""Manual control and setpoints. Stations send them many times per second and get no acknowledgement."""
 
 import math
 from collections.abc import Iterable
@@ -24,12 +24,12 @@ from thbridge.mavlink.wire.mode_numbers import Mode
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 _NO_AXIS = 0x7FFF
-"""Value of an axis that is not used."""
+"""Value of an unused axis."""
 _FULL_STICK = 1000.0
 
 _RC_MIDDLE, _RC_FULL = 1500, 500.0
 _RC_RANGE = range(800, 2201)
-"""Pulse widths of radio control, microseconds; other numbers mean that a channel is not overridden."""
+"""Pulse widths of radio control, microseconds. Other numbers mean that a channel is not overridden."""
 _RC_RELEASED = 0
 
 _IGNORE_POSITION = 0b11
@@ -45,12 +45,12 @@ _Setpoint: TypeAlias = mav.MAVLink_set_position_target_local_ned_message | (
 class ControlInputs(Microservice):
     """Manual control and setpoints of one vehicle.
 
-    Stations send them many times per second without acknowledgement, even when they do not intend to drive. So they are
-    ignored without a warning unless the mode uses them. Then a station that is not in command gets a warning.
+    Stations send them even when they do not intend to drive. If the mode does not use them, they are ignored without a
+    warning. If the mode uses them, a station that does not command the robot gets a warning.
 
 
     Args:
-        system: its system id; MANUAL_CONTROL names no component.
+        system: system id of the vehicle. MANUAL_CONTROL contains only this id and no component.
         robot: interface to the robot.
         modes: the robot's mode state machine.
         hand: manual control.
@@ -79,7 +79,7 @@ class ControlInputs(Microservice):
         self._readings = NO_READINGS
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterable[OutgoingMessage]:
-        """Process a manual control message or a setpoint; there is no answer."""
+        """Process a manual control message or a setpoint. There is no answer."""
         match message:
             case mav.MAVLink_manual_control_message():
                 if message.target == self._system:
@@ -94,16 +94,16 @@ class ControlInputs(Microservice):
         return ()
 
     def step(self, tick: int, readings: RobotReadings) -> Iterable[OutgoingMessage]:
-        """Store the readings; no message is due."""
+        """Store the readings. No messages are sent."""
         self._readings = readings
         return ()
 
     # -- manual control -----------------------------------------------------------------------------------------------
 
     def _stick(self, sender: Station, message: mav.MAVLink_manual_control_message) -> None:
-        """Drive by MANUAL_CONTROL: x is forward; r, or y if there is no r, is the turn.
+        """Drive by MANUAL_CONTROL: x is forward. r is the turn; if there is no r, y is the turn.
 
-        Positive values turn right, as all ground stations send them, although the standard's text on r says otherwise.
+        Positive values turn right, because all ground stations send them so, although the standard's text on r differs.
         """
         forward = message.x
         turn = message.y if message.r == _NO_AXIS else message.r
@@ -111,7 +111,7 @@ class ControlInputs(Microservice):
             self._drive(sender, forward / _FULL_STICK, turn / _FULL_STICK)
 
     def _radio(self, sender: Station, message: mav.MAVLink_rc_channels_override_message) -> None:
-        """Drive by radio control: channel 1 steers and channel 3 is the throttle, as on ArduPilot's rovers."""
+        """Drive by radio control. Channel 1 steers, and channel 3 is the throttle, as in ArduPilot's rovers."""
         steering, throttle = message.chan1_raw, message.chan3_raw
         if steering in _RC_RANGE or throttle in _RC_RANGE:
             turn, forward = (
@@ -119,11 +119,11 @@ class ControlInputs(Microservice):
             )
             self._drive(sender, forward, turn)
         elif _RC_RELEASED in (steering, throttle) and self._hand.is_driving:
-            # The override is released, and there is no radio that could take over.
+            # The station no longer overrides the radio. There is no radio that could steer the robot, so it stops.
             self._drive(sender, 0.0, 0.0)
 
     def _drive(self, sender: Station, forward: float, turn: float) -> None:
-        """Drive by hand; `forward` and `turn` (to the right) are fractions of the speed limits."""
+        """Drive by hand. `forward` and `turn` (positive: right) are fractions of the speed limits."""
         if self._modes.mode is not Mode.MANUAL:
             return
         fastest = self._robot.fastest()
@@ -162,13 +162,13 @@ class ControlInputs(Microservice):
         return point_in_map(message.coordinate_frame, message.x, message.y, self._readings.base_in_map)
 
     def _velocity(self, message: _Setpoint, yaw_rate: float) -> VelocitySetpoint | None:
-        """Return the velocity in a setpoint; a turn on the spot if it has a yaw rate only."""
+        """Return the velocity in a setpoint. A setpoint with only a yaw rate is a turn in place."""
         if message.type_mask & _IGNORE_VELOCITY == _IGNORE_VELOCITY:
             if message.type_mask & _IGNORE_YAW_RATE:
                 return None
             velocity = VelocitySetpoint(mav.MAV_FRAME_BODY_FRD, 0.0, 0.0, yaw_rate)
         else:
-            # Velocities in global frames are along the map's axes.
+            # In global frames, velocities are north and east, like the map's axes.
             frame = mav.MAV_FRAME_LOCAL_NED if message.coordinate_frame in GLOBAL else message.coordinate_frame
             velocity = VelocitySetpoint(frame, message.vx, message.vy, yaw_rate)
         is_one = velocity.frame in LOCAL and _all_finite(velocity.first, velocity.second, yaw_rate)

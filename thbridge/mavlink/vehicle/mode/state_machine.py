@@ -1,4 +1,4 @@
-"""Mode state machine: the mode of a robot and its behavior in this mode.
+"""Mode state machine: mode of a robot, and its behavior in this mode.
 
 Callers first check by `OperatorControl` whether a station may move the robot.
 """
@@ -24,16 +24,16 @@ from thbridge.mavlink.vehicle.parts import Announce, MissionControl, TextSeverit
 from thbridge.mavlink.wire.mode_numbers import Mode
 
 _STOPPING = TICKS_PER_SECOND
-"""Ticks after a stop during which a robot may still move because it is stopping."""
+"""Ticks after a stop in which a robot may still move, because it brakes."""
 
 
 @dataclass(frozen=True, slots=True)
 class PausedMode:
-    """Activity interrupted by a pause, to be resumed.
+    """Activity that a pause has interrupted. It may be resumed.
 
     Attributes:
         mode: mode at that time.
-        target: goal of the drive at that time; None if it was not driving to one.
+        target: goal of the drive at that time. None if the robot was not driving to a goal.
     """
 
     mode: Mode
@@ -49,13 +49,13 @@ class ModeStateMachine:
         control: the station in command of the robot.
         plan: its mission.
         home: home position.
-        failsafe: action when the station in command is lost.
+        failsafe: action after the loss of the station that commands the robot.
         announce: sends texts to people.
 
     Attributes:
         drive: the last drive to a target that this state machine started.
         plan: see `Args`.
-        failsafe: see `Args`; may be changed.
+        failsafe: see `Args`. It may be changed.
     """
 
     def __init__(
@@ -85,7 +85,7 @@ class ModeStateMachine:
 
     @property
     def mode(self) -> Mode:
-        """Mode for ground stations: GUIDED while the robot drives for another commander, such as the participant."""
+        """Mode for ground stations. It is GUIDED if the robot drives for another commander, such as the participant."""
         commanded = self._control.station is not None
         if self._is_moved() and (self._mode is Mode.HOLD or (not commanded and not self.drive.is_under_way)):
             return Mode.GUIDED
@@ -93,13 +93,13 @@ class ModeStateMachine:
 
     @property
     def armed(self) -> bool:
-        """True if a station is in command, or the robot moves."""
+        """True if a station commands the robot, or the robot moves."""
         return self._control.station is not None or self._is_moved()
 
     def arm(self, station: Station, by_force: bool) -> Denied | None:
-        """Put a station in command.
+        """Let a station command the robot.
 
-        The robot continues its activity, or starts in the mode that was requested while no station was in command.
+        The robot continues its activity. If no station commanded it before, it enters the mode that was requested then.
         """
         before = self._control.station
         denied = self._control.take(station, by_force)
@@ -112,15 +112,15 @@ class ModeStateMachine:
         return None
 
     def disarm(self) -> None:
-        """Stop, and return command to the participant."""
+        """Stop, and let the participant command the robot again."""
         self.stop()
         self._control.release()
 
     def request_mode(self, station: Station, mode: Mode) -> Denied | None:
         """Change the mode for a station.
 
-        Any station may choose HOLD. While no station is in command, other modes are only stored until a station arms
-        the robot.
+        Any station may choose HOLD. If no station commands the robot, other modes are stored until a station arms the
+        robot.
         """
         if mode is Mode.HOLD:
             self.stop()
@@ -132,7 +132,7 @@ class ModeStateMachine:
         return self._control.objection(station) or self.enter(mode)
 
     def enter(self, mode: Mode) -> Denied | None:
-        """Change the mode; if denied, the mode stays the same or becomes HOLD."""
+        """Change the mode. If this is denied, the mode stays the same or becomes HOLD."""
         match mode:
             case Mode.AUTO:
                 return self.start_mission(None, None)
@@ -146,18 +146,18 @@ class ModeStateMachine:
         return None
 
     def stop(self) -> None:
-        """Stop, regardless of who sent the robot, and enter HOLD."""
+        """Stop the robot, even if another commander has sent it, and enter HOLD."""
         self._leave()
         self._robot.stop_robot()
         self._mode = Mode.HOLD
         self._stopped_at = self._tick
 
     def start_mission(self, first: int | None, last: int | None) -> Denied | None:
-        """Run the mission: see `MissionControl.start`."""
+        """Run the mission. See `MissionControl.start`."""
         if self._mode is Mode.AUTO and self.plan.running and first is None and last is None:
             return None
         if self._readings.under_way and not self.plan.running:
-            # A mission may begin with an item that does not move the robot.
+            # If the first item of the mission did not move the robot, the present drive would continue.
             self.stop()
         denied = self.plan.start(first, last)
         if denied is None:
@@ -176,13 +176,13 @@ class ModeStateMachine:
         return None
 
     def follow_target(self, target: Target) -> Denied | None:
-        """Drive to a point that is sent repeatedly; do nothing unless in mode GUIDED."""
+        """Drive to a point that is sent repeatedly. Do nothing in other modes than GUIDED."""
         if self._mode is not Mode.GUIDED or self.drive.leads_to(target):
             return None
         return self.go(target)
 
     def follow_velocity(self, velocity: VelocitySetpoint) -> Denied | None:
-        """Drive at a velocity that is sent repeatedly; do nothing unless in mode GUIDED."""
+        """Drive at a velocity that is sent repeatedly. Do nothing in other modes than GUIDED."""
         if self._mode is not Mode.GUIDED:
             return None
         denied = self._hand.follow(velocity)
@@ -192,7 +192,7 @@ class ModeStateMachine:
         return denied
 
     def pause(self) -> None:
-        """Stop, and store the activity."""
+        """Stop, and store the present activity for `resume`."""
         paused = self._paused
         if paused is None and self._mode is not Mode.HOLD:
             paused = PausedMode(self._mode, self.drive.target if self.drive.is_under_way else None)
@@ -200,7 +200,7 @@ class ModeStateMachine:
         self._paused = paused
 
     def resume(self) -> Denied | None:
-        """Continue the activity interrupted by a pause; without a pause, nothing changes."""
+        """Continue the activity that a pause has interrupted. Without a pause, nothing changes."""
         if self._mode is not Mode.HOLD:
             return None
         paused = self._paused
@@ -229,13 +229,13 @@ class ModeStateMachine:
 
     def _step_failsafe(self) -> None:
         if self._control.is_overruled:
-            # A lost station must not stop a researcher's drive; it only loses its own command.
+            # The loss of a station must not stop a researcher's drive. The station only loses its own command.
             self._leave()
             self._mode = Mode.HOLD
             self._control.release()
             return
         if self._continues_alone:
-            # With CONTINUE, command returns to the participant only when the drive or the mission has ended.
+            # With CONTINUE, the participant commands the robot only after the end of the drive or the mission.
             if not self.plan.running and not self.drive.is_under_way:
                 self._mode = Mode.HOLD
                 self._control.release()

@@ -1,4 +1,4 @@
-"""Drive to a target for a mode: a leg of the robot, which its number identifies."""
+"""Drive to a target for a mode. It is a leg of the robot, and the number of this leg identifies it."""
 
 from thbridge.mavlink.values.conventions import ARRIVED
 from thbridge.mavlink.values.vehicle_interface import NO_READINGS, HelmLeg, LegState, RobotReadings, Target
@@ -12,8 +12,8 @@ class TargetDrive:
         announce: sends texts to people.
 
     Attributes:
-        number: number of its leg; None if there was none or it was aborted.
-        target: its goal; None if there was none or it was aborted.
+        number: number of its leg. None if there was no drive or it was aborted.
+        target: its goal. None if there was no drive or it was aborted.
     """
 
     def __init__(self, announce: Announce) -> None:
@@ -24,18 +24,18 @@ class TargetDrive:
 
     @property
     def leg(self) -> HelmLeg | None:
-        """Progress of the drive; None if another leg has replaced it."""
+        """Progress of the drive. None if another leg has replaced it."""
         leg = self._readings.leg
         return leg if leg is not None and leg.number == self.number else None
 
     @property
     def is_under_way(self) -> bool:
-        """True while it lasts or is about to begin, because the readings show a new leg some ticks late."""
+        """True from the request of the drive to its end. The readings show a new leg some ticks after the request."""
         leg = self.leg
         return self.number is not None and (leg is None or leg.state is LegState.UNDER_WAY)
 
     def leads_to(self, target: Target) -> bool:
-        """Return True if this is its target, and it has not failed."""
+        """Return True if the drive has this target and has not failed."""
         leg = self.leg
         return target == self.target and (leg is None or leg.state is not LegState.FAILED)
 

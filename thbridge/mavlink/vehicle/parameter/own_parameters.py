@@ -1,4 +1,4 @@
-"""Parameters of the vehicle itself, system id and failsafe, under ArduPilot's names; its robot's parameters follow.
+"""Parameters of the vehicle itself: system id and failsafe, with ArduPilot's names. Its robot's parameters follow.
 
 Source: ArduPilot's parameter list of Rover: SYSID_THISMAV, FS_GCS_TIMEOUT, FS_ACTION.
 Differs: FS_ACTION has only the three values in `ACTIONS`, and 0 means to continue. There is no FS_GCS_ENABLE.
@@ -24,19 +24,19 @@ TIMEOUT = "FS_GCS_TIMEOUT"
 ACTION = "FS_ACTION"
 
 ACTIONS: Mapping[Failsafe, int] = {Failsafe.CONTINUE: 0, Failsafe.HOME: 1, Failsafe.STOP: 2}
-"""Values of `FS_ACTION`, which correspond to ArduPilot's nothing, RTL and hold."""
+"""Values of `FS_ACTION`. In ArduPilot they mean: no action, RTL (return to launch), hold."""
 
 _SECTION, _GROUP = "mavlink", "vehicle"
 
 
 class FailsafeParameters:
-    """Parameters of one vehicle, followed by the parameters of its robot; implements `ParameterSettings`.
+    """Parameters of one vehicle, followed by the parameters of its robot. It implements `ParameterSettings`.
 
     Args:
-        system: its system id, which is its robot's number and does not change.
+        system: its system id. This is its robot's number, and it does not change.
         robot: parameters of its robot.
-        control: contains the heartbeat timeout.
-        modes: contains the failsafe action.
+        control: state that contains the heartbeat timeout.
+        modes: state machine that contains the failsafe action.
     """
 
     def __init__(

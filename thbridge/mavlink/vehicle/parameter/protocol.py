@@ -1,7 +1,7 @@
-"""Parameter protocol without sockets and clocks: stations read and set a robot's numeric parameters.
+"""Parameter protocol, by which stations read and set a robot's numeric parameters. It has no sockets and clocks.
 
 Source: the MAVLink developer guide, "Parameter Protocol" and "Extended Parameter Protocol".
-Differs: requests for unknown parameters are answered by PARAM_ERROR, which is newer than most of the guide.
+Differs: the answer to a request for an unknown parameter is PARAM_ERROR, which is newer than most of the guide.
 """
 
 import math
@@ -21,13 +21,13 @@ from thbridge.mavlink.wire.dialect import Message, mav
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 VALUES_PER_TICK = 3
-"""Values of a list sent per tick on each link: 150 per second."""
+"""Number of values of a list that are sent per tick on each link. This is 150 values per second."""
 
 _BY_NAME = -1
 """Index of a request by name."""
 
 _TYPE_UNSUPPORTED = 6
-"""Code of MAV_PARAM_ERROR that pymavlink's dialect lacks."""
+"""Code of MAV_PARAM_ERROR that pymavlink's dialect does not have."""
 
 _ERRORS = {
     DenialKind.DENIED: mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE,
@@ -42,15 +42,15 @@ class ParameterProtocol(Microservice):
     Args:
         settings: the parameters.
         announce: sends texts to people.
-        ardupilot: if True, a value is the number itself, with any type that the station states. If False, types other
-            than floats are encoded as their bytes, and are refused.
+        ardupilot: True if a value is the number itself, whatever type the station declares. If False, values of other
+            types than float would be encoded as their bytes, and are refused.
     """
 
     def __init__(self, settings: ParameterSettings, announce: Announce, ardupilot: bool) -> None:
         self._settings = settings
         self._announce = announce
         self._ardupilot = ardupilot
-        # For each parameter, the value that was last sent to stations.
+        # Last value of each parameter that was sent to stations.
         self._sent: dict[str, float] = {}
         self._lists: dict[LinkId, int] = {}
 
@@ -69,13 +69,13 @@ class ParameterProtocol(Microservice):
                     mav.MAVLink_param_ext_value_message(b"", b"", mav.MAV_PARAM_EXT_TYPE_REAL32, 0, 0), link
                 )
             case mav.MAVLink_param_ext_request_read_message():
-                # There is no answer for "no such parameter"; a failed acknowledgement is the closest one.
+                # The protocol has no answer for an unknown parameter. A failed acknowledgement is the nearest.
                 yield _unextended(link, message.param_id, "", mav.MAV_PARAM_EXT_TYPE_REAL32)
             case mav.MAVLink_param_ext_set_message():
                 yield _unextended(link, message.param_id, message.param_value, message.param_type)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """Continue lists. Once per second, send values that others have changed to all links."""
+        """Continue the lists. Once per second, send all links the values that other clients have changed."""
         is_whole_second = tick % TICKS_PER_SECOND == 0
         if not self._lists and not is_whole_second:
             return
@@ -98,6 +98,7 @@ class ParameterProtocol(Microservice):
 
     def _read(self, link: LinkId, sender: Station, index: int, name: str) -> Iterator[OutgoingMessage]:
         settings = self._settings.settings()
+        # A request contains an index, or -1 and a name.
         number = _number(settings, name) if index == _BY_NAME else index
         if number is None or not 0 <= number < len(settings):
             yield _error(link, sender, name, index, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
@@ -114,12 +115,12 @@ class ParameterProtocol(Microservice):
         if error is None:
             yield self._news(settings, number)
         else:
-            # The error is sent first, so that a station that supports it does not retry because of the old value.
+            # The error is sent before the old value. So a station that supports the error does not retry.
             yield _error(link, sender, name, _BY_NAME, error)
             yield OutgoingMessage(_value(settings, number), link)
 
     def _changed(self, name: str, value: float, kind: int) -> int | None:
-        """Change a parameter; return a code of MAV_PARAM_ERROR if it keeps its value."""
+        """Change a parameter. Return a code of MAV_PARAM_ERROR if its value does not change."""
         if kind != mav.MAV_PARAM_TYPE_REAL32 and not self._ardupilot:
             return _TYPE_UNSUPPORTED
         if not math.isfinite(value):
@@ -151,11 +152,11 @@ def _error(link: LinkId, station: Station, name: str, index: int, error: int) ->
 
 
 def _unextended(link: LinkId, name: str, value: str, kind: int) -> OutgoingMessage:
-    """Return the answer to a request for an extended parameter: there are none."""
+    """Return the answer to a request for an extended parameter. Robots have no extended parameters."""
     ack = mav.MAVLink_param_ext_ack_message(_on_wire(name), _on_wire(value), kind, mav.PARAM_ACK_FAILED)
     return OutgoingMessage(ack, link)
 
 
 def _on_wire(text: str) -> bytes:
-    """Encode a name; characters beyond ASCII become question marks."""
+    """Encode a name. Characters that are not ASCII become question marks."""
     return text.encode("ascii", errors="replace")

@@ -1,1 +1,1 @@
-"""Telemetry: the messages that a vehicle sends automatically, with their streams and rates."""
+"""Telemetry: messages that a vehicle sends automatically, and their rates."""

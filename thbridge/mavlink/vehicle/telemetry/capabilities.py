@@ -1,4 +1,4 @@
-"""Constant messages of a vehicle: its capabilities and modes."""
+"""Constant messages of a vehicle about its capabilities and modes."""
 
 from collections.abc import Callable, Mapping
 
@@ -40,13 +40,14 @@ class Capabilities:
         self._files = files
 
     def makers(self) -> Mapping[int, Callable[[int], Message]]:
-        """Return for each message id the function that makes the message from a tick."""
+        """Return, by message id, the functions that make a message for a tick."""
         return {
             mav.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: self._gps_global_origin,
             mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION: self._autopilot_version,
             mav.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: lambda _: mav.MAVLink_extended_sys_state_message(
                 mav.MAV_VTOL_STATE_UNDEFINED, mav.MAV_LANDED_STATE_ON_GROUND
             ),
+            # MAVLink sends versions times 100: frames of versions 1 and 2 are supported.
             ProtocolVersion.id: lambda _: ProtocolVersion(200, 100, 200, [0] * 8, [0] * 8),
             ComponentInformation.id: lambda tick: ComponentInformation(milliseconds(tick), *self._general(), 0, b""),
             ComponentMetadata.id: lambda tick: ComponentMetadata(milliseconds(tick), *self._general()),
@@ -54,7 +55,7 @@ class Capabilities:
         }
 
     def available_mode(self, place: int) -> Message:
-        """Return AVAILABLE_MODES for one mode, by its index from 1."""
+        """Return the message AVAILABLE_MODES for the mode with this index, which starts at 1."""
         mode = list(Mode)[place - 1]
         custom, standard = custom_mode(self._identity, mode), standard_mode(mode)
         return mav.MAVLink_available_modes_message(len(Mode), place, standard, custom, 0, mode.value.encode())
@@ -64,7 +65,7 @@ class Capabilities:
         return mav.MAVLink_gps_global_origin_message(place.latitude, place.longitude, self._altitude, now)
 
     def _autopilot_version(self, tick: int) -> Message:
-        # No version is sent: ground stations would compare it with versions of the real autopilot.
+        # The version is 0, because ground stations would compare any other version with those of the real autopilot.
         nothing = [0] * 8
         return mav.MAVLink_autopilot_version_message(
             _CAPABILITIES, 0, 0, 0, 0, nothing, nothing, nothing, 0, 0, self._system

@@ -1,7 +1,7 @@
-"""STATUSTEXT sentences for people: a few per second. No sentence is repeated within three seconds.
+"""Sentences for people, sent as STATUSTEXT: a few per second. No sentence is repeated within three seconds.
 
-Source: the MAVLink developer guide, STATUSTEXT: longer sentences are sent in chunks of 50 bytes, and a shorter chunk is
-the last.
+Source: the MAVLink developer guide, STATUSTEXT. Longer sentences are sent in chunks of 50 bytes. A shorter chunk is the
+last chunk.
 """
 
 from collections import deque
@@ -14,7 +14,7 @@ from thbridge.mavlink.wire.outgoing import OutgoingMessage
 
 _MOST_WAITING = 8
 _BETWEEN = TICKS_PER_SECOND // 4
-"""Ticks between two sentences: at most four per second."""
+"""Ticks between two sentences. So there are at most four sentences per second."""
 _AGAIN = 3 * TICKS_PER_SECOND
 """Ticks after which the same sentence may be sent again."""
 
@@ -22,8 +22,7 @@ _AGAIN = 3 * TICKS_PER_SECOND
 class StatusTexts:
     """Queue of texts of one vehicle.
 
-    A full queue drops the oldest sentences. Equal sentences within three seconds are sent once; sentences of different
-    severity are not equal.
+    A full queue drops the oldest sentences. Equal sentences of the same severity within three seconds are sent once.
     """
 
     def __init__(self) -> None:
@@ -58,7 +57,8 @@ class StatusTexts:
         if len(text) <= TEXT_SIZE:
             yield mav.MAVLink_statustext_message(severity, text, 0, 0)
             return
+        # The id joins the chunks of a sentence. Id 0 would mean that there is only one chunk.
         self._count = self._count % 0xFFFF + 1
-        # After a sentence that fills its last chunk, an empty chunk marks the end.
+        # If a sentence fills its last chunk, an empty chunk marks the end.
         for chunk, start in enumerate(range(0, len(text) + 1, TEXT_SIZE)):
             yield mav.MAVLink_statustext_message(severity, text[start : start + TEXT_SIZE], self._count, chunk)

@@ -1,6 +1,6 @@
-"""Streams: the messages that a vehicle sends repeatedly, and their intervals on each link.
+"""Streams: messages that a vehicle sends repeatedly, and their intervals on each link.
 
-Every link gets the same messages at the same rates until a station on it requests others.
+Every link gets the same messages at the same rates until a station on the link requests other rates.
 """
 
 from collections.abc import Iterator, Mapping
@@ -10,24 +10,24 @@ from thbridge.mavlink.vehicle.boot_time import MICROSECONDS_PER_TICK
 from thbridge.mavlink.wire.outgoing import LinkId
 
 _LONGEST = 0x7FFFFFFF // MICROSECONDS_PER_TICK
-"""Longest interval that fits into MESSAGE_INTERVAL, in ticks: 35 minutes."""
+"""Longest interval that MESSAGE_INTERVAL can contain, in ticks. This is 35 minutes."""
 
 OFF = 0
 """Interval, in ticks, of a message that is not sent."""
 
 _SPREAD = 7
-"""Ticks between two messages of the same rate, and between two vehicles. It divides no usual interval, so that messages
-at 1 Hz are spread over the second."""
+"""Ticks between two messages of the same rate, and between two vehicles. This number divides no usual interval. So
+messages at 1 Hz are spread over the second."""
 
 
 @dataclass(frozen=True, slots=True)
 class DueMessage:
-    """Message that is due.
+    """Message that must be sent in this tick.
 
     Attributes:
-        message: its id.
-        link: the only link it is for. If None, it is for all links except `except_links`.
-        except_links: links that have their own rate.
+        message: id of the message.
+        link: only link that gets the message. If None, all links except `except_links` get it.
+        except_links: links that have their own rate of this message.
     """
 
     message: int
@@ -39,9 +39,9 @@ class Streams:
     """Rates of one vehicle's messages.
 
     Args:
-        defaults: interval of each message that can be requested, ticks; `OFF` for messages that are sent on request
-            only.
-        system: system id of the vehicle; vehicles send the same messages at different times.
+        defaults: interval of each message that can be requested, ticks. `OFF` means that the message is only sent if
+            requested.
+        system: system id of the vehicle. With it, vehicles send the same messages at different times.
     """
 
     def __init__(self, defaults: Mapping[int, int], system: int) -> None:
@@ -59,7 +59,7 @@ class Streams:
         return self._own.get(link, {}).get(message, self._defaults[message])
 
     def change(self, link: LinkId, message: int, ticks: int | None) -> None:
-        """Set the interval of a known message on a link, ticks; None restores the default."""
+        """Set the interval of a known message on a link, in ticks. None restores the default."""
         own = self._own.setdefault(link, {})
         if ticks is None:
             own.pop(message, None)

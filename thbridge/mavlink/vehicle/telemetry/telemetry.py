@@ -1,4 +1,4 @@
-"""Telemetry messages of a vehicle, made from its robot's own estimates."""
+"""Telemetry messages of a vehicle. They contain its robot's own estimates."""
 
 import math
 from collections.abc import Callable
@@ -45,22 +45,22 @@ _KNOWS_ITS_PLACE = (
     | mav.EKF_PRED_POS_HORIZ_REL
     | mav.EKF_PRED_POS_HORIZ_ABS
 )
-"""Flags of a good estimate in ArduPilot; DroneKit waits for the last flag before it reports a vehicle as armable."""
+"""Flags of a good estimate in ArduPilot. DroneKit reports a vehicle as armable only after the last of these flags."""
 
 _SATELLITES = 12
 _ACCURACY = 50
-"""Accuracy of position and velocity, millimeters and millimeters per second: typical for the estimate indoors."""
+"""Accuracy of position and velocity in mm and mm/s. This is typical of the robots' estimates indoors."""
 
 
 @dataclass(frozen=True, slots=True)
 class TelemetryState:
-    """State of a vehicle after a tick, from which its messages are made.
+    """State of a vehicle after a tick. Its messages are made from this state.
 
     Attributes:
         tick: number of the tick.
         readings: readings of its robot.
         mode: mode for ground stations.
-        armed: True if a station is in command, or the robot moves.
+        armed: True if a station commands the robot, or the robot moves.
         commander: see `OperatorControl.commander_id`.
     """
 
@@ -77,7 +77,7 @@ class TelemetryState:
 
     @property
     def system_status(self) -> int:
-        """A code of MAV_STATE."""
+        """State of the vehicle, a code of MAV_STATE."""
         if self.readings.lost:
             return mav.MAV_STATE_CRITICAL
         return mav.MAV_STATE_ACTIVE if self.armed else mav.MAV_STATE_STANDBY
@@ -128,8 +128,8 @@ class Telemetry:
         capabilities: its constant messages.
         identity: autopilot that it claims to have.
         earth: map projection.
-        home_position: makes HOME_POSITION for a tick.
-        mission_current: makes MISSION_CURRENT.
+        home_position: returns HOME_POSITION for a tick.
+        mission_current: returns MISSION_CURRENT.
     """
 
     def __init__(
@@ -147,7 +147,7 @@ class Telemetry:
         self._makers: dict[int, Callable[[TelemetryState], Message | None]] = {
             mav.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
             mav.MAVLINK_MSG_ID_SYS_STATUS: self._sys_status,
-            # Simulated time is not the time of day, so the first field stays unknown.
+            # Simulated time is not the time of day. So the first field, Unix time, stays unknown.
             mav.MAVLINK_MSG_ID_SYSTEM_TIME: lambda now: mav.MAVLink_system_time_message(0, now.milliseconds),
             mav.MAVLINK_MSG_ID_GPS_RAW_INT: self._gps_raw_int,
             mav.MAVLINK_MSG_ID_MISSION_CURRENT: lambda _: mission_current(),
@@ -169,7 +169,7 @@ class Telemetry:
         }
 
     def message(self, number: int, state: TelemetryState) -> Message | None:
-        """Return a message of `default_streams`; None if it has no content, such as a goal while there is none."""
+        """Return a message of `default_streams`, or None if it has no content, such as the goal of a resting robot."""
         constant = self._capabilities.get(number)
         return self._makers[number](state) if constant is None else constant(state.tick)
 
@@ -185,7 +185,7 @@ class Telemetry:
         )
 
     def _sys_status(self, now: TelemetryState) -> Message:
-        # There is no fence. But MAVProxy reports a fence that is not healthy as breached, even if it is not present.
+        # There is no fence. But MAVProxy reports a breach of a fence that is not healthy, even if it is not present.
         healthy = (_SENSORS & ~_KNOWS_WHERE if now.readings.lost else _SENSORS) | mav.MAV_SYS_STATUS_GEOFENCE
         remaining = _remaining(now.readings)
         return mav.MAVLink_sys_status_message(
@@ -215,7 +215,9 @@ class Telemetry:
         place = self._earth.geo_point(pose.x, pose.y)
         fix = mav.GPS_FIX_TYPE_NO_FIX if now.readings.lost else mav.GPS_FIX_TYPE_3D_FIX
         heading = _hundredths(compass(pose.theta))
+        # A robot that backs up moves opposite to its heading.
         course = heading if twist.linear >= 0.0 else (heading + 18_000) % 36_000
+        # In this message a yaw of 0 means "not available", so north is 36000.
         return mav.MAVLink_gps_raw_int_message(
             microseconds(now.tick),
             fix,
@@ -311,7 +313,7 @@ def base_mode(now: TelemetryState) -> int:
 
 
 def _remaining(readings: RobotReadings) -> int:
-    """Return the remaining energy in percent; -1 if it is unlimited or unknown."""
+    """Return the remaining energy in percent, or -1 if it is unlimited or unknown."""
     if not 0.0 < readings.capacity < math.inf:
         return -1
     return _within(100.0 * readings.energy / readings.capacity, 0, 100)
@@ -327,5 +329,5 @@ def _centimetres(speed: float) -> int:
 
 
 def _hundredths(degrees: float) -> int:
-    """Convert a compass heading to hundredths of degrees, from 0 to 35999."""
+    """Convert a compass heading to hundredths of a degree, from 0 to 35999."""
     return round(degrees * 100.0) % 36_000

@@ -1,1 +1,1 @@
-"""Frames on the wire: bytes to frames and back, checksums and signatures. Payloads are not decoded here."""
+"""Frames on the wire: conversion to and from bytes, checksums and signatures. Payloads are not decoded here."""

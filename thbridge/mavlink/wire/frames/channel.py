@@ -1,6 +1,6 @@
-"""Frame codec of one link: converts bytes of a stream or of datagrams to complete frames and back; verifies with a key.
+"""Frame codec of one link. It converts bytes of a stream or of datagrams to complete frames and back.
 
-It uses no sockets and no clocks.
+With a key, it also signs and verifies frames. It uses no sockets and no clocks.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ class ChannelCounts:
 
     Attributes:
         frames: number of valid frames.
-        discarded_bytes: number of bytes that belong to no valid frame.
+        discarded_bytes: number of bytes that are not part of a valid frame.
         refused: number of complete frames without a valid signature.
     """
 
@@ -30,12 +30,12 @@ class Channel:
 
     Args:
         signing: signs and verifies frames. If None, frames are not signed, and signatures are ignored.
-        datagrams: True if each datagram contains complete frames; False for a stream.
+        datagrams: True for datagrams, which contain complete frames. False for a stream.
 
     Attributes:
-        counts: counts of data received so far.
+        counts: counts of the data received so far.
         bytes_since_good: number of bytes received since the last valid frame.
-        last_fault: reason of the latest rejection; empty if nothing was rejected.
+        last_fault: reason of the latest rejection. Empty if nothing was rejected.
     """
 
     def __init__(self, signing: Signing | None, *, datagrams: bool) -> None:

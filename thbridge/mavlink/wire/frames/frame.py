@@ -9,19 +9,19 @@ from dataclasses import dataclass, replace
 import fastcrc
 
 V1, V2 = 0xFE, 0xFD
-"""First byte (magic) of a frame of version 1 and of version 2."""
+"""First byte (magic) of frames of version 1, and of version 2."""
 
 SIGNED = 0x01
-"""Bit of `incompat_flags`: a signature follows the checksum."""
+"""Bit of `incompat_flags` that means that a signature follows the checksum."""
 
 CHECKSUM_SIZE = 2
 SIGNATURE_SIZE = 13
 
 HEADER_V1 = struct.Struct("<6B")
-"""Magic, length of the payload, sequence, system, component, message."""
+"""Fields: magic, length of the payload, sequence, system, component, message."""
 
 HEADER_V2 = struct.Struct("<7BHB")
-"""Magic, length of the payload, incompat and compat flags, sequence, system, component, message (16 bits, then 8)."""
+"""Fields: magic, payload length, incompat flags, compat flags, sequence, system, component, message (16 bits, 8 bits)."""
 
 LARGEST = HEADER_V2.size + 255 + CHECKSUM_SIZE + SIGNATURE_SIZE
 """Size of the longest frame in bytes."""
@@ -29,7 +29,7 @@ LARGEST = HEADER_V2.size + 255 + CHECKSUM_SIZE + SIGNATURE_SIZE
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """One frame. Its checksum is not a field, because bytes with a wrong checksum are not a frame.
+    """MAVLink frame. Its checksum is not a field, because bytes with a wrong checksum are not a frame.
 
     Attributes:
         system: system id of the sender, 1 to 255.
@@ -37,11 +37,11 @@ class Frame:
         sequence: the sender's frame count on this link, 0 to 255.
         message_id: type of the message.
         payload: encoded fields.
-        seed: CRC_EXTRA byte that the message's layout adds to the checksum (`dialect.crc_extra`).
+        seed: CRC_EXTRA byte of the message, which the checksum includes (see `dialect.crc_extra`).
         version: `V1` or `V2`.
-        incompat_flags: flags of version 2; a receiver drops frames with flags that it does not support.
-        compat_flags: flags of version 2.
-        signature: link, timestamp and signature, 13 bytes; empty if unsigned.
+        incompat_flags: flags of version 2. A receiver drops a frame with a flag that it does not support.
+        compat_flags: flags of version 2 that a receiver may ignore.
+        signature: link, timestamp and signature, 13 bytes. Empty if the frame is not signed.
     """
 
     system: int
@@ -63,7 +63,7 @@ class Frame:
 
     @property
     def head(self) -> bytes:
-        """Header and payload; the checksum covers them without the first byte."""
+        """Header and payload. The checksum covers all of it except the first byte."""
         length = len(self.payload)
         if self.version == V1:
             head = (V1, length, self.sequence, self.system, self.component, self.message_id)
@@ -75,7 +75,7 @@ class Frame:
 
     @property
     def checksum(self) -> int:
-        """CRC-16/MCRF4XX of header and payload without the first byte, and of the seed."""
+        """CRC-16/MCRF4XX of the header without its first byte, the payload and the seed."""
         return checksum_of(self.head, self.seed)
 
     def to_bytes(self) -> bytes:
@@ -99,9 +99,9 @@ def checksum_of(head: bytes, seed: int) -> int:
 
 
 def missing_between(last: int, sequence: int) -> int:
-    """Count the frames missing between two sequence numbers of one sender, 0 to 255.
+    """Count the frames that are missing between two sequence numbers (0 to 255) of one sender.
 
-    A number up to 128 behind the last belongs to a frame that came late or twice: nothing is missing.
+    If the second number is up to 128 behind the first, its frame came late or twice. Then no frame is missing.
     """
     gap = (sequence - last - 1) % 256
     return gap if gap < 128 else 0

@@ -1,7 +1,7 @@
-"""Frame parser: finds frames in a stream that may be cut anywhere, or in datagrams.
+"""Frame parser, which finds frames in datagrams or in pieces of a stream. The stream may be cut anywhere.
 
-No input raises an exception. Bytes that form no frame are reported as discarded, and the search continues after the
-first of them. So no valid frame is lost because of a corrupt length before it.
+No input raises an exception. Bytes that are not a frame are reported as discarded, and the search continues after the
+first of these bytes. So no valid frame is lost because of a corrupt length before it.
 
 Source: the MAVLink developer guide, "Packet Serialization" and "Incompatibility Flags".
 """
@@ -27,11 +27,11 @@ _MAGIC = re.compile(b"[\xfd\xfe]")
 """First byte of any frame."""
 
 _LIKELY = re.compile(rb"\xfe|\xfd(?:.[\x00\x01]|.?\Z)", re.DOTALL)
-"""Start of a frame without unknown flags, to skip a flood of frames with such flags faster."""
+"""Start of a frame without unknown flags. With this pattern, a flood of frames with unknown flags is skipped faster."""
 
 
 class FrameFault(StrEnum):
-    """Reason why bytes are discarded; completes the log message "discarded: ..."."""
+    """Reason why bytes are discarded. It completes the log message "bytes were discarded: ..."."""
 
     GARBAGE = "no frame begins here"
     FLAGS = "a frame with unsupported features"
@@ -44,11 +44,11 @@ class FrameFault(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class DiscardedBytes:
-    """Bytes that were discarded; only their number is kept.
+    """Discarded bytes. Only their number is stored.
 
     Attributes:
         size: number of bytes.
-        reason: fault of the first byte.
+        reason: reason why the first byte was discarded.
     """
 
     size: int
@@ -60,7 +60,7 @@ class _Bad:
     """Invalid frame with a valid first byte.
 
     Attributes:
-        size: size that its header gives, in bytes.
+        size: size in bytes according to its header.
         reason: its fault.
     """
 
@@ -69,33 +69,33 @@ class _Bad:
 
 
 class FrameParser:
-    """Parser of a byte stream; it keeps less than one frame for the next call."""
+    """Parser of a byte stream. Between two calls, it keeps less than one frame."""
 
     def __init__(self) -> None:
         self._held = b""
 
     def receive_data(self, data: bytes) -> list[Frame | DiscardedBytes]:
-        """Return frames and discarded bytes in order, each as soon as it is certain.
+        """Return frames and discarded bytes in order, each as early as it can be identified.
 
-        The sizes add up to the number of bytes received. Only the division of discarded bytes into items depends on how
-        the stream was cut.
+        The sum of their sizes is the number of received bytes. Only the division of discarded bytes into items depends
+        on the pieces of the stream.
         """
         found, self._held = _search(self._held + data, ended=False)
         return found
 
     def end(self) -> list[Frame | DiscardedBytes]:
-        """Return frames and discarded bytes from the bytes kept so far, at the end of a stream; reset the parser."""
+        """Return frames and discarded bytes from the kept bytes at the end of a stream, and reset the parser."""
         found, self._held = _search(self._held, ended=True)
         return found
 
 
 def parse_datagram(datagram: bytes) -> list[Frame | DiscardedBytes]:
-    """Return frames and discarded bytes of a datagram, which contains complete frames only."""
+    """Return frames and discarded bytes of a datagram. A datagram contains only complete frames."""
     return _search(datagram, ended=True)[0]
 
 
 def frame_of(data: bytes) -> Frame | None:
-    """Return the frame that exactly these bytes form, or None."""
+    """Return the frame that consists of exactly these bytes, or None."""
     match parse_datagram(data):
         case [Frame() as frame]:
             return frame
@@ -103,9 +103,9 @@ def frame_of(data: bytes) -> Frame | None:
 
 
 def _search(held: bytes, ended: bool) -> tuple[list[Frame | DiscardedBytes], bytes]:
-    """Return frames and discarded bytes, and the rest, which needs more bytes to be decided."""
+    """Return frames and discarded bytes, and the remaining bytes, which may be the start of a frame."""
     found: list[Frame | DiscardedBytes] = []
-    # Start and fault of the pending discarded bytes, and the end that their header gives.
+    # `lost`: start of the pending discarded bytes. `reason`: their fault. `claimed`: their end by their header.
     lost, reason, claimed = 0, FrameFault.GARBAGE, 0
     place = 0
     while (magic := (_LIKELY if place < claimed else _MAGIC).search(held, place)) is not None:
@@ -123,7 +123,7 @@ def _search(held: bytes, ended: bool) -> tuple[list[Frame | DiscardedBytes], byt
             found.append(DiscardedBytes(what.size, FrameFault.SECRET) if secret else what)
             lost, reason, claimed, place = end, FrameFault.GARBAGE, end, end
             continue
-        # A valid frame may be inside an invalid one; further invalid frames inside it are not reported.
+        # A valid frame may be inside an invalid frame. Further invalid frames inside it are not reported.
         if start >= claimed:
             if start > lost:
                 found.append(DiscardedBytes(start - lost, reason))
@@ -136,7 +136,7 @@ def _search(held: bytes, ended: bool) -> tuple[list[Frame | DiscardedBytes], byt
 
 
 def _frame_v1_at(held: bytes, start: int) -> Frame | _Bad | None:
-    """Return the frame that begins at a magic byte of version 1, or its fault; None while it is incomplete."""
+    """Return the frame that begins at a magic byte of version 1, or its fault. Return None if it is incomplete."""
     begin = start + HEADER_V1.size
     if len(held) < begin:
         return None
@@ -146,7 +146,7 @@ def _frame_v1_at(held: bytes, start: int) -> Frame | _Bad | None:
     seed = crc_extra(message_id)
     if seed is None:
         return _Bad(size, FrameFault.UNKNOWN)
-    # Only in version 2 may a newer dialect extend a message.
+    # A newer dialect may extend a message only in version 2.
     if length > longest_payload(message_id):
         return _Bad(size, FrameFault.LENGTH)
     if len(held) < start + size:
@@ -157,7 +157,7 @@ def _frame_v1_at(held: bytes, start: int) -> Frame | _Bad | None:
 
 
 def _frame_v2_at(held: bytes, start: int) -> Frame | _Bad | None:
-    """Return the frame that begins at a magic byte of version 2, or its fault; None while it is incomplete."""
+    """Return the frame that begins at a magic byte of version 2, or its fault. Return None if it is incomplete."""
     begin = start + HEADER_V2.size
     if len(held) < begin:
         return None
@@ -165,6 +165,7 @@ def _frame_v2_at(held: bytes, start: int) -> Frame | _Bad | None:
     end = begin + length
     sealed = end + CHECKSUM_SIZE
     size = sealed - start + (SIGNATURE_SIZE if incompat & SIGNED else 0)
+    # By the standard, a receiver must drop a frame with an incompat flag that it does not support.
     if incompat & ~SIGNED:
         return _Bad(size, FrameFault.FLAGS)
     message_id = low | high << 16

@@ -1,11 +1,11 @@
-"""Signatures of MAVLink 2: only frames signed with the key are accepted, and each frame is accepted only once.
+"""Signatures of MAVLink 2. Only frames that are signed with the key are accepted, and each frame only once.
 
 Source: the MAVLink developer guide, "Message Signing".
 
 Differs: no unsigned frame is accepted. Other programs accept RADIO_STATUS, which radios send without a key. Here there
-is no radio between robots and stations. A frame forwarded with our signature would look as if the key's owner had sent
-it. Keys are never accepted from the network (SETUP_SIGNING). Timestamps from the last few months of the 48-bit range
-are refused, because no later frame could have a newer timestamp.
+is no radio between robots and stations. If such a frame were forwarded with our signature, it would seem to come from
+the key's owner. Keys from the network (SETUP_SIGNING) are never accepted. Timestamps in the last months of the 48-bit
+range are refused, because no later frame could have a newer timestamp.
 """
 
 import hashlib
@@ -21,19 +21,19 @@ from thbridge.mavlink.wire.frames.frame import SIGNED, V2, Frame
 KEY_SIZE = 32
 
 UNITS_PER_SECOND = 100_000
-"""A timestamp counts 10 microseconds."""
+"""Units of timestamps per second. A unit is 10 microseconds."""
 
 EPOCH = 1_420_070_400
-"""Unix time from which timestamps count: 1 January 2015."""
+"""Unix time of timestamp 0: 1 January 2015."""
 
 FIRST_TIMESTAMP_TOLERANCE = 60 * UNITS_PER_SECOND
-"""Largest number of units by which the first timestamp of a stream may be behind ours."""
+"""Maximum number of units by which the first timestamp of a stream may be older than our timestamp."""
 
 LATEST = (1 << 48) - (1 << 40)
-"""Latest timestamp that is accepted. At 100,000 frames per second, the rest of the range lasts four months."""
+"""Latest accepted timestamp. At 100,000 frames per second, the rest of the range is enough for four months."""
 
 MAX_STREAMS = 1024
-"""Largest number of senders with stored timestamps."""
+"""Maximum number of senders whose timestamps are stored."""
 
 _HEX_KEY = re.compile(r"[0-9a-fA-F]{64}")
 _STAMP_SIZE = 6
@@ -42,10 +42,10 @@ _DIGEST_SIZE = 6
 
 @dataclass(frozen=True, slots=True)
 class SigningKey:
-    """Secret that both sides of a link share; `repr` does not show it.
+    """Secret that both ends of a link have. `repr` does not show it.
 
     Raises:
-        ValueError: it does not have 32 bytes.
+        ValueError: the secret does not have 32 bytes.
     """
 
     secret: bytes = field(repr=False)
@@ -67,20 +67,20 @@ class InvalidKey:
 
 
 class SignatureFault(StrEnum):
-    """Reason why a frame is rejected; completes the log message "refused: ..."."""
+    """Reason why a frame is rejected. It completes a log message after a colon."""
 
     UNSIGNED = "it is not signed"
     WRONG = "its signature is wrong"
-    REPEATED = "its timestamp is not newer than the last of its sender"
-    OLD = "its sender is new, and its timestamp more than a minute old"
+    REPEATED = "its timestamp is not newer than the last timestamp of its sender"
+    OLD = "its sender is new, and its timestamp is more than a minute old"
     BEFORE = "it was signed before this program started, and earlier timestamps are unknown"
     FAR_AHEAD = "its timestamp is too near the end of the range of timestamps"
-    CROWDED = f"there are {MAX_STREAMS} other senders already"
+    CROWDED = f"there are already {MAX_STREAMS} other senders"
 
 
 @dataclass(frozen=True, slots=True)
 class RejectedFrame:
-    """Frame rejected because of its signature."""
+    """Rejection of a frame because of its signature."""
 
     reason: SignatureFault
 
@@ -88,11 +88,11 @@ class RejectedFrame:
 def parse_key(content: bytes) -> SigningKey | InvalidKey:
     """Return the key in a file: 32 raw bytes, 64 hexadecimal digits, or a passphrase.
 
-    A line of text is a passphrase, and its SHA-256 is the key, as in MAVProxy and Mission Planner. Since 2025,
-    QGroundControl derives keys from passphrases differently, but shows the keys as 64 digits.
+    A line of text is a passphrase. Its SHA-256 is the key, as in MAVProxy and Mission Planner. Since 2025,
+    QGroundControl derives keys from passphrases differently, but it shows the keys as 64 digits.
 
     Args:
-        content: whole content of the file. Printable characters are text, with or without a line end.
+        content: complete content of the file. Printable characters are text, with or without a line end.
     """
     try:
         text = content.decode().removesuffix("\n").removesuffix("\r")
@@ -111,10 +111,10 @@ def parse_key(content: bytes) -> SigningKey | InvalidKey:
 
 @dataclass(frozen=True, slots=True)
 class KnownTimestamps:
-    """Timestamps of an earlier run with the same key, at its end.
+    """Timestamps at the end of an earlier run with the same key.
 
     Attributes:
-        latest: the latest timestamp, including our own.
+        latest: the latest timestamp, including our own timestamps.
         streams: last accepted timestamp of each stream (link, system, component).
     """
 
@@ -123,21 +123,21 @@ class KnownTimestamps:
 
 
 class SignatureTimestamps:
-    """Timestamps that we and other senders have used so far, on all links with one key.
+    """Timestamps that we and other senders have used so far on all links with one key.
 
-    The links share them so that a frame from one link is not accepted again on another.
+    The links share these timestamps, so that a frame from one link is not accepted again on another link.
 
     Args:
         known: timestamps of an earlier run.
-        not_before: seconds of Unix time before which no frame is accepted. If nothing is known, this is the start of
-            the program, because an earlier run may have accepted older frames.
+        not_before: Unix time in seconds before which no frame is accepted. Without timestamps of an earlier run, this
+            is the start of the program, because an earlier run may have accepted older frames.
     """
 
     def __init__(self, known: KnownTimestamps | None = None, not_before: float = 0.0) -> None:
         self._latest = 0 if known is None else known.latest
         self._streams: dict[tuple[int, int, int], int] = {}
         if known is not None:
-            # If there are too many senders, drop senders whose frames would be refused even if they were new senders.
+            # If there are many senders, forget those whose old frames would be refused even from an unknown sender.
             kept = 0 if len(known.streams) <= MAX_STREAMS // 2 else known.latest - FIRST_TIMESTAMP_TOLERANCE
             self._streams = {stream: last for stream, last in known.streams.items() if last >= kept}
         self._not_before = _timestamp_at(not_before)
@@ -148,7 +148,7 @@ class SignatureTimestamps:
         return KnownTimestamps(self._latest, dict(self._streams))
 
     def next(self, now: float) -> int:
-        """Return a timestamp for signing; it is newer than all earlier timestamps, both our own and accepted ones."""
+        """Return a timestamp for signing. It is newer than all our earlier timestamps and all accepted timestamps."""
         self._latest = max(self._latest + 1, _timestamp_at(now))
         return self._latest
 
@@ -175,8 +175,8 @@ class Signing:
     """Signer of the outgoing frames of a link, and verifier of the incoming frames.
 
     Args:
-        key: key of both sides.
-        link_id: our number of this link, 0 to 255; part of the signature.
+        key: key of both ends of the link.
+        link_id: our number of this link, 0 to 255. It is part of the signature.
         timestamps: timestamps of all links with this key.
     """
 
@@ -189,14 +189,16 @@ class Signing:
         """Return the frame without its signature if the signature is valid and new.
 
         Args:
-            frame: frame as received.
+            frame: received frame.
             now: seconds of Unix time.
         """
         if not frame.signature:
             return RejectedFrame(SignatureFault.UNSIGNED)
         stamped, digest = frame.signature[:-_DIGEST_SIZE], frame.signature[-_DIGEST_SIZE:]
+        # `compare_digest` takes the same time for all digests, so that senders cannot guess a digest byte by byte.
         if not hmac.compare_digest(digest, self._digest(_sealed(frame) + stamped)):
             return RejectedFrame(SignatureFault.WRONG)
+        # By the standard, each link, system and component has its own sequence of timestamps.
         stream = (stamped[0], frame.system, frame.component)
         timestamp = int.from_bytes(stamped[1:], "little")
         reason = self._timestamps.check(stream, timestamp, now)
@@ -206,7 +208,7 @@ class Signing:
         return frame.unsigned()
 
     def sign(self, frame: Frame, now: float) -> bytes:
-        """Sign and encode a frame; version 1 becomes version 2, because only version 2 can be signed.
+        """Sign and encode a frame. Version 1 becomes version 2, because only version 2 can be signed.
 
         Args:
             frame: unsigned frame.
