@@ -1,7 +1,7 @@
-"""Sounds of the participant's window: five short sequences of pure tones, played by a program of the system.
+"""Sounds of the participant's window. Each of the five sounds is a short sequence of tones.
 
-With a separate program, the window needs no library for sound. Without sound hardware, the program fails without
-blocking the window.
+A separate program of the system plays them, so the window needs no library for sound. Without sound hardware, this
+program fails without blocking the window.
 """
 
 import io
@@ -23,7 +23,7 @@ RATE = 44_100
 LOUDNESS = 0.25
 """Largest amplitude, as a share of full scale."""
 ATTACK = 0.008
-"""Rise time of a tone, seconds; without it, the tone would click."""
+"""Rise time of a tone, seconds. Without this time, the tone would begin with a click."""
 TONES: Mapping[GameSound, tuple[tuple[float, float, float], ...]] = {
     GameSound.ARRIVAL: ((587.3, 0.0, 0.22),),
     GameSound.FIND: ((784.0, 0.0, 0.16), (1046.5, 0.1, 0.3)),
@@ -31,14 +31,14 @@ TONES: Mapping[GameSound, tuple[tuple[float, float, float], ...]] = {
     GameSound.WON: ((523.3, 0.0, 0.16), (659.3, 0.08, 0.18), (784.0, 0.16, 0.2), (1046.5, 0.24, 0.26)),
     GameSound.LOST: ((392.0, 0.0, 0.22), (311.1, 0.17, 0.33)),
 }
-"""Tones of each sound: frequency in hertz, start and length in seconds.
+"""Tones of each sound: frequency, hertz; start and length, seconds.
 
-The tones of a win rise, those of a loss fall, and those of a question end upward.
+The tones of a win rise, the tones of a loss fall, and the last tone of a question rises.
 """
 KILL_TIMEOUT = 1000
-"""Milliseconds that a killed program has to end."""
+"""Milliseconds to wait for the end of a killed program."""
 PLAYERS = (("pw-play",), ("paplay",), ("aplay", "-q"), ("afplay",))
-"""Programs of Linux and macOS that play a file; the first installed one is used."""
+"""Programs of Linux and macOS that play a file. The first installed program is used."""
 
 
 def samples_of(sound: GameSound) -> NDArray[np.int16]:
@@ -67,18 +67,18 @@ def wav_of(sound: GameSound) -> bytes:
 
 
 def system_player() -> tuple[str, ...] | None:
-    """Return the command that plays a file on this computer, without the file; None if there is none."""
+    """Return the command that plays a file on this computer, without the file's name; None if there is no command."""
     return next((player for player in PLAYERS if shutil.which(player[0])), None)
 
 
 class SoundPlayer(QObject):
-    """Player of one sound at a time.
+    """Player that plays one sound at a time.
 
-    Of the sounds requested during a sound, only the most important one is played next.
+    If several sounds are requested during a sound, only the most important sound is played next.
 
     Args:
-        parent: owner; if it is deleted, the sound ends.
-        command: command that plays the file with the path appended to it. If None, no sound is played.
+        parent: owner of the player. If the owner is deleted, the sound ends.
+        command: command that plays the file whose path is appended. If None, no sound is played.
     """
 
     def __init__(self, parent: QObject, command: tuple[str, ...] | None) -> None:
@@ -97,7 +97,7 @@ class SoundPlayer(QObject):
         return self._process.state() is not QProcess.ProcessState.NotRunning
 
     def play(self, sound: GameSound) -> None:
-        """Play a sound now, or after the present one; do nothing if sound is not possible."""
+        """Play a sound now, or after the current sound. Do nothing if sound is not possible."""
         if self._command is None or not self._folder.isValid():
             return
         if self.is_playing:
@@ -113,7 +113,7 @@ class SoundPlayer(QObject):
         self._process.start(program, [*arguments, str(file)])
 
     def stop(self) -> None:
-        """Stop sounds at once."""
+        """Stop the current sound at once, and drop waiting sounds."""
         self._next = None
         self._process.kill()
         self._process.waitForFinished(KILL_TIMEOUT)

@@ -1,4 +1,4 @@
-"""Tables of windows: the base of their models, and their views."""
+"""Tables of windows: base classes of their models, and a function that creates their views."""
 
 from collections.abc import Sequence
 
@@ -16,11 +16,11 @@ RIGHT = int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
 
 
 class TableModel(QAbstractTableModel):
-    """Rows below titles; a subclass stores the rows in `_shown`, and returns the data of their cells.
+    """Base class of models with rows below titles. A subclass stores the rows in `_shown`, and returns cell data.
 
     Args:
         titles: titles of the columns.
-        hints: tool tips of the titles; empty for none.
+        hints: tool tips of the titles. If empty, there are no tool tips.
     """
 
     _shown: Sequence[object] = ()
@@ -52,7 +52,7 @@ class TableModel(QAbstractTableModel):
 
 
 class TextModel(TableModel):
-    """Rows of texts that may all change at once."""
+    """Model with rows of texts, which may all change at once."""
 
     _shown: Sequence[tuple[str, ...]] = ()
 
@@ -61,7 +61,7 @@ class TextModel(TableModel):
         self._has_time = has_time
 
     def show_rows(self, texts: Sequence[tuple[str, ...]]) -> bool:
-        """Show these rows; return False if they are already shown."""
+        """Show these rows. Return False if they are already shown."""
         if tuple(texts) == self._shown:
             return False
         self.beginResetModel()
@@ -82,7 +82,7 @@ class TextModel(TableModel):
 
 
 class GrowingModel(TextModel):
-    """Growing list of rows of texts; some rows may also change. The selection remains."""
+    """Model with a growing list of rows of texts. Some rows may also change. The selection does not change."""
 
     def show_rows(self, texts: Sequence[tuple[str, ...]]) -> bool:
         """Show these rows; return False if they are already shown."""
@@ -110,7 +110,7 @@ def row_table(
         model: model of the rows.
         mode: number of rows that can be selected.
         lines: lines of text in a row.
-        characters: width of each column, characters; 0 if it is set elsewhere.
+        characters: width of each column, characters; 0 if the caller sets the width.
     """
     table = QTableView(showGrid=False, wordWrap=False)
     table.setAccessibleName(name)

@@ -1,9 +1,10 @@
-"""Untrusted text, shown literally: names of files, rooms, treasures, topics and people; lines of programs.
+"""Functions that show untrusted text literally.
 
-In labels, tool tips and message boxes, Qt treats text that looks like HTML as HTML, and would open its pictures and
-links. In buttons and menus, & marks a key. In window titles, [*] is replaced by the sign of unsaved changes. Some other
-characters reverse the direction of writing. `PlainTextStyle` forbids HTML in all labels, including those that Qt
-creates itself; the functions handle the other cases.
+Untrusted texts are names of files, rooms, treasures, topics and people, and lines that programs print. In labels, tool
+tips and message boxes, Qt treats text that looks like HTML as HTML, and would open its pictures and links. In buttons
+and menus, & marks a key. In window titles, [*] is replaced by the sign of unsaved changes. Some other characters
+reverse the direction of writing. `PlainTextStyle` forbids HTML in all labels, including labels that Qt creates itself.
+The functions handle the other cases.
 """
 
 from PySide6.QtCore import Qt
@@ -13,24 +14,24 @@ from PySide6.QtWidgets import QApplication, QLabel, QProxyStyle, QWidget
 from thbridge.files.errors import visible
 
 LONGEST, LONGEST_TITLE = 20_000, 160
-"""Greatest number of characters shown of a text, and of a title, because untrusted names can have half a million
-characters."""
+"""Greatest number of characters shown of a text, and of a title. Untrusted names can have half a million characters."""
 
 
 def shown(text: str, longest: int = LONGEST) -> str:
-    """Return an untrusted text in a form that can be shown: cut, and with escapes for control characters except line
-    ends and tabs."""
+    """Return an untrusted text in a form that can be shown.
+
+    A long text is cut. Control characters, except line ends and tabs, are replaced by escapes.
+    """
     return visible(text if len(text) <= longest else f"{text[: longest - 1]}…", keep="\n\t")
 
 
 def button_text(text: str) -> str:
-    """Return an untrusted text for a button, a menu or a tab, where a single & would mark a key."""
+    """Return an untrusted text for a button, a menu or a tab, in which a single & would mark a key."""
     return shown(text).replace("&", "&&")
 
 
 def title_text(text: str) -> str:
-    """Return an untrusted text for the title of a window, where a single [*] would be replaced by the sign of unsaved
-    changes."""
+    """Return an untrusted text for a window title, in which [*] would be replaced by the sign of unsaved changes."""
     return visible(shown(text, LONGEST_TITLE)).replace("[*]", "[*][*]")
 
 
@@ -48,8 +49,7 @@ class PlainLabel(QLabel):
 
 
 class PlainTextStyle(QProxyStyle):
-    """Qt's style "Fusion", in which all labels show their text literally, including those of tool tips and message
-    boxes."""
+    """Qt's style "Fusion" with labels that show their text literally, also in tool tips and message boxes."""
 
     def __init__(self) -> None:
         super().__init__("Fusion")

@@ -267,7 +267,7 @@ class ResearcherWindow(DockedWindow):
     # Contents of recordings
 
     def _show_contents(self, scene: Scene) -> None:
-        """List the topics of a recording when it is open. For another program's recording, bring the list to the front."""
+        """List the topics when the recording is open. For another program's recording, bring the list to the front."""
         numbers = self._feed.data.numbers
         if self._contents_shown or numbers is None:
             return

@@ -1,4 +1,4 @@
-"""Study file as a form."""
+"""Window that shows a study file as a form."""
 
 from pathlib import Path
 
@@ -13,12 +13,12 @@ from ui.windows.study.window import StudyWindow
 
 
 def study_window(path: Path) -> StudyWindow:
-    """Return the window of a file; the window is not shown yet. A QApplication must exist.
+    """Return the window of a file without showing the window. A QApplication must exist.
 
     Raises:
         BadFile: the file cannot be read.
     """
-    # Load compiled code now; later, this would block the visible window.
+    # Load compiled code now, because loading would block the visible window later.
     preview_of(Study(), NoiseSection())
     return StudyWindow(path)
 

@@ -1,4 +1,4 @@
-"""Editor of a study: each change is a step, which another thread applies to the text."""
+"""Editor of a study. Each change is a step, and a separate thread applies the steps to the text."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,9 +14,9 @@ from ui.model.study_form.files import draft_of_file, header_of
 from ui.windows.editing.background import BackgroundWorker
 
 _TYPING = 120
-"""Pause in typing, milliseconds, after which the text is checked."""
+"""Milliseconds without typing after which the text is checked."""
 _SETTLING = 150
-"""Milliseconds without a further change after which a file that another program writes counts as complete."""
+"""Milliseconds without a change after which a file that another program writes counts as complete."""
 
 TextChange = Callable[[StudyDraft], str | RequestRefused]
 _Taken = Callable[[StudyDraft, UndoHistory], UndoHistory | RequestRefused]
@@ -41,16 +41,16 @@ class _Conflict:
 
 
 class StudyEditor(QObject):
-    """File as it was read, the draft, and the draft's history for undo.
+    """Editor with the file as it was read, the draft, and the history of the draft for undo.
 
     Attributes:
         path: the file.
         drafted: signal: the draft has changed.
-        refused: signal: a change of a field was not possible; key of the field, and the reason.
+        refused: signal: a change of a field was not possible; with the field's key and the reason.
         found_faulty: signal: the draft was not saved because of its faults.
         conflicted: signal: the draft was not saved, because the file has changed since it was read.
         changed_outside: signal: the file has changed since it was read.
-        failed: signal: the file could not be written or read; with the reason.
+        failed: signal: writing or reading the file has failed; with the reason.
         saved: signal: the draft was saved.
     """
 
@@ -63,10 +63,10 @@ class StudyEditor(QObject):
     saved = Signal()
 
     def __init__(self, path: Path) -> None:
-        """Open a file. If the file does not exist, start a new one.
+        """Open a file. If the file does not exist, start a new file.
 
         Raises:
-            BadFile: it cannot be read.
+            BadFile: the file cannot be read.
         """
         super().__init__()
         self.path = path
@@ -99,7 +99,7 @@ class StudyEditor(QObject):
         return not self._steps and not self._work.busy
 
     def change(self, key: str, change: TextChange, *, at_once: bool = False) -> None:
-        """Change the text. If a change with the same key has not been applied yet, this change replaces it."""
+        """Change the text. If the last waiting change has the same key, this change replaces it."""
 
         def take(draft: StudyDraft, history: UndoHistory) -> UndoHistory | RequestRefused:
             text = change(draft)
@@ -114,7 +114,7 @@ class StudyEditor(QObject):
         self.change(key, lambda draft: draft.set(draft.fields()[key], text), at_once=at_once)
 
     def reset(self, key: str) -> None:
-        """Return a field to its default."""
+        """Reset a field to its default."""
         self.change(key, lambda draft: draft.reset(draft.fields()[key]), at_once=True)
         self._queue_step(_Step("", lambda _, history: history.settled()), at_once=True)
 
@@ -123,17 +123,17 @@ class StudyEditor(QObject):
         self.change("text", lambda _: text)
 
     def check_again(self) -> None:
-        """Check the text again, because a file that it names has changed."""
+        """Check the text again, because a file that the text names has changed."""
         if self.settled:
             draft, history = self.draft, self.history
             self._work.ask(lambda: _Outcome(draft_of_file(draft.path, history.text), history, ()))
 
     def undo(self) -> None:
-        """Go one step back."""
+        """Undo the last step."""
         self._queue_step(_Step("", lambda _, history: history.undone()), at_once=True)
 
     def redo(self) -> None:
-        """Go one step forward again."""
+        """Redo the step that was undone last."""
         self._queue_step(_Step("", lambda _, history: history.redone()), at_once=True)
 
     def settle(self) -> None:
@@ -141,7 +141,7 @@ class StudyEditor(QObject):
         self._queue_step(_Step("", lambda _, history: history.settled()), at_once=False)
 
     def load_again(self) -> None:
-        """Load the file again; undo restores the draft."""
+        """Load the file again. A later undo restores the draft."""
         try:
             self.on_disk = read_edited(self.path)
         except BadFile as fault:
@@ -162,7 +162,7 @@ class StudyEditor(QObject):
         self._flush()
 
     def close(self) -> None:
-        """Finish the current work."""
+        """Wait until the current work is finished."""
         self._typing.stop()
         self._work.close()
 
@@ -176,7 +176,7 @@ class StudyEditor(QObject):
     @Slot()
     def _flush(self) -> None:
         if self._work.busy:
-            return  # `_done` calls this method again.
+            return  # `_done` will call this method again.
         if not self._steps:
             self._save_if_wanted()
             return
@@ -219,7 +219,7 @@ class StudyEditor(QObject):
         self._flush()
 
     def _watch(self) -> None:
-        """Watch the file again, because the watcher regards a replaced file as another file."""
+        """Watch the file again, because Qt's watcher treats a replaced file as another file."""
         wanted = [str(self.path.parent), *([str(self.path)] if self.path.exists() else [])]
         missing = [path for path in wanted if path not in {*self._watcher.files(), *self._watcher.directories()}]
         if missing:

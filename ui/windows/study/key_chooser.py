@@ -1,4 +1,4 @@
-"""Dialog for the key to add to a section, with a search field above a list."""
+"""Dialog to choose a key for a section, with a search field above a list."""
 
 from collections.abc import Mapping
 
@@ -16,16 +16,16 @@ _TO_LIST = frozenset({Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_PageUp, Qt.Key.
 
 
 class KeyChooser(QDialog):
-    """Dialog for the key to add to a section with freely chosen keys.
+    """Dialog to choose the key that is added to a section with freely chosen keys.
 
     Args:
         title: name of the section.
         keys: keys that can be added, each with its field.
         parent: the window.
-        own_names: True if the key may also have another name.
+        own_names: True if the person may also type another name.
 
     Attributes:
-        chosen: the chosen key, or another name that the person typed; empty until a choice is made.
+        chosen: chosen key, or other name that the person typed; empty until the person has chosen.
     """
 
     def __init__(self, title: str, keys: Mapping[str, FormField], parent: QWidget | None, *, own_names: bool) -> None:
@@ -59,14 +59,14 @@ class KeyChooser(QDialog):
         self._find("")
 
     def accept(self) -> None:
-        """Choose the key selected in the list."""
+        """Choose the key that is selected in the list."""
         item = self.list.currentItem()
         if item is not None:
             self.chosen = item.data(Qt.ItemDataRole.UserRole)
             super().accept()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Move the selection in the list by the arrow keys while a person types."""
+        """Let arrow keys move the selection in the list while the search field has the focus."""
         if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent) and event.key() in _TO_LIST:
             self.list.keyPressEvent(event)
             return True
@@ -84,13 +84,13 @@ class KeyChooser(QDialog):
         self.words.setText(
             "No key matches."
             if not found
-            else "No key has this name. The most similar ones are listed."
+            else "No key has this name. The most similar keys are listed."
             if name and is_similar
             else f"{len(found)} keys"
         )
-        # Only a factor may have a name that is not a key. Each of its levels then sets several keys.
+        # Only a factor may have a name that is not a key. Each level of this factor then sets several keys.
         self.own.setVisible(self._allows_own_names and bool(name) and all(field.key != name for field in found))
-        self.own.setText(f"Use \u201c{shown(name)}\u201d as a name for levels of several keys")
+        self.own.setText(f"Use \u201c{shown(name)}\u201d as a factor whose levels set several keys")
         self.list.setCurrentRow(0 if found else -1)
         self._allow(self.list.currentRow())
 
@@ -104,5 +104,5 @@ class KeyChooser(QDialog):
 
 
 def _plain(words: str) -> str:
-    """Return a name without the characters that cannot be between quotes in the file."""
+    """Return a name without spaces at its ends, and without quotes, which the file does not allow in names."""
     return words.strip().replace('"', "")

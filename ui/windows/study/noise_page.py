@@ -21,7 +21,7 @@ _WHEELS, _FILTER = "what the wheels report", "where the filter believes the robo
 
 
 class NoiseView(QScrollArea):
-    """Drawings of the noise's effect, updated after each change."""
+    """Drawings of the effect of the noise, updated after each change."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -53,17 +53,17 @@ class NoiseView(QScrollArea):
 
     @property
     def busy(self) -> bool:
-        """True while a drawing is being made."""
+        """True while drawings are being made."""
         return self._work.busy
 
     def draw(self, draft: StudyDraft, values: Mapping[str, str]) -> None:
-        """Draw the noise of a draft, with the values typed since then, by key."""
+        """Draw the noise of a draft; `values` are the texts typed since the draft was made, by key."""
         self._requested = draft, dict(values)
         group = draft.groups().get("noise")
         if group is None or not self.isVisible():
             return
         study = draft.study or Study()
-        # Copy the values and measure the widgets in this thread, because the worker's thread must not use them.
+        # Copy the values and measure the widgets in this thread; the worker's thread must not use widgets.
         fields, typed = tuple(group.all_fields()), dict(values)
         palette = colours()
         jobs = [(name, picture.paint, picture.canvas(palette)) for name, picture in self._pictures.items()]
@@ -75,7 +75,7 @@ class NoiseView(QScrollArea):
             self.draw(*self._requested)
 
     def close_work(self) -> None:
-        """Finish the current drawing."""
+        """Wait until the current drawings are finished."""
         self._work.close()
 
     @Slot(object)
@@ -101,7 +101,7 @@ class NoiseView(QScrollArea):
         self.drawn += 1
 
     def _drives(self) -> QWidget:
-        drawn = "Thick line: the commanded path. Thin lines: 200 results. Ellipse: 95 % of the end points."
+        drawn = "Thick line: commanded path. Thin lines: 200 drives. Ellipse: area of 95 % of the end points."
         card, column = _card("200 drives of ten meters", drawn)
         column.addWidget(label("Paths that the wheels report (true noise)", "small", bold=True))
         column.addWidget(self._pictures["straight"])
@@ -119,19 +119,19 @@ class NoiseView(QScrollArea):
         return card
 
     def _sweep(self) -> QWidget:
-        drawn = "Dots: true ends of the beams. Crosses: ends measured by the laser."
+        drawn = "Dots: true end points of the beams. Crosses: end points measured by the laser."
         card, column = _card("A laser sweep in a room", drawn)
         column.addWidget(self._pictures["scan"])
         column.addWidget(self._scan)
         return card
 
     def sizeHint(self) -> QSize:
-        """Return a size wide enough for two squares."""
+        """Return a size that is wide enough for two squares."""
         return QSize(520, 640)
 
 
 class NoisePage(QSplitter):
-    """Fields and drawings side by side; if the width is too small, one below the other."""
+    """Page with the fields and the drawings side by side or, if it is narrow, one below the other."""
 
     def __init__(self, fields: QWidget, drawings: NoiseView) -> None:
         super().__init__(Qt.Orientation.Horizontal)
@@ -157,7 +157,7 @@ class NoisePage(QSplitter):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Drawn:
-    """Preview, and its finished images."""
+    """Preview of the noise, and its finished images."""
 
     preview: NoisePreview
     images: Mapping[str, QImage]

@@ -1,4 +1,4 @@
-"""Pages of the study window: a section, search results, the whole text, and the changes that saving would write."""
+"""Pages of the study window, for a section, search results, and the file as text."""
 
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -28,25 +28,25 @@ from ui.windows.untrusted_text import button_text
 _FOUND = "found"
 _MOST_FOUND = 40
 _SLICE = 15
-"""Milliseconds for which rows are built before the window handles other events."""
+"""Milliseconds during which rows are built before the window handles other events."""
 
 
 class FieldsPage(QScrollArea):
-    """Rows of fields, with headings.
+    """Page with rows of fields, and headings.
 
     Attributes:
         rows: rows shown, by the keys of the fields.
-        edited: signal: a person typed or chose a value; key of the field, and the text.
-        edit_finished: signal: a person finished editing a field.
-        reset: signal: a person wants to reset a field to its default.
-        file_wanted: signal: a person wants to edit the file that a field names.
-        preview_wanted: signal: a person wants to preview a step as participants see it.
-        opened: signal: a person wants to see a section.
-        added: signal: a person wants another item in a section.
-        removed: signal: a person wants to remove an item.
-        moved: signal: a person wants to move an item one place down (1) or up (-1).
+        edited: signal: a person typed or chose a value; with the key of the field and the text.
+        edit_finished: signal: a person finished editing a field; with its key.
+        reset: signal: a person wants to reset a field to its default; with its key.
+        file_wanted: signal: a person wants to edit the file that a field names; with the key of the field.
+        preview_wanted: signal: a person wants to see a step in the form that participants see; with its key.
+        opened: signal: a person wants to see a section; with its key.
+        added: signal: a person wants to add an item to a section; with the key of the section.
+        removed: signal: a person wants to remove an item; with its key.
+        moved: signal: a person wants to move an item one place down (1) or up (-1); with its key.
         cleared: signal: a person wants to reset all fields of a section to their defaults.
-        built: signal: all rows exist.
+        built: signal: all rows of the page are built.
     """
 
     edited = Signal(str, str)
@@ -69,19 +69,19 @@ class FieldsPage(QScrollArea):
         self._naming: dict[str, list[Callable[[str], object]]] = {}
         self._moving: dict[tuple[str, int], QPushButton] = {}
         self._wanted: tuple[str, int] | str = ""
-        """Target of the focus after the page is rebuilt: a button, a row, or an item with its first row."""
+        """Target of the focus after the page is rebuilt: a button, a row, or an item whose first row gets the focus."""
         self._shape: tuple[str, ...] = ()
         self._draft: StudyDraft | None = None
         self._building: Iterator[None] = iter(())
         self._next = QTimer(self, singleShot=True, interval=0)
         self._next.timeout.connect(self._build_on)
         self._in_sight: QWidget | None = None
-        """Part with the focus, kept visible while the page finds its height in several passes, until people scroll."""
+        """Part with the focus. It is kept visible until people scroll, because the page grows in several passes."""
         self.verticalScrollBar().rangeChanged.connect(self._keep_in_sight)
         self.verticalScrollBar().actionTriggered.connect(self._let_go)
 
     def show_groups(self, draft: StudyDraft, groups: tuple[FormGroup, ...], *, narrow: bool = False) -> None:
-        """Show the fields of these sections; the first section gets the large heading."""
+        """Show the fields of these sections. The first section has the large heading."""
         shape = tuple(part for group in groups for part in _shape_of(group))
         self._draft = draft
         if shape == self._shape:
@@ -98,14 +98,14 @@ class FieldsPage(QScrollArea):
         self._wanted = key
 
     def finish(self) -> None:
-        """Build all remaining rows of the page at once."""
+        """Build all remaining rows of the page now."""
         for _ in self._building:
             pass
 
     def _build_on(self) -> None:
         """Build rows for some more milliseconds.
 
-        A page with many fields is built in parts, because it would block the window.
+        A page with many fields is built in parts, because building it at once would block the window.
         """
         began = QElapsedTimer()
         began.start()
@@ -117,9 +117,7 @@ class FieldsPage(QScrollArea):
     def show_found(self, draft: StudyDraft, words: str) -> None:
         """Show the fields that a search found."""
         fields = search_fields(draft.form.all_fields(), words)
-        count = (
-            f"{len(fields)} found" if len(fields) <= _MOST_FOUND else f"{len(fields)} found; the first {_MOST_FOUND}"
-        )
+        count = f"{len(fields)} found" if len(fields) <= _MOST_FOUND else f"{len(fields)} found, {_MOST_FOUND} shown"
         group = FormGroup(
             _FOUND, f"“{words}”: {count}" if fields else f"“{words}”: nothing found", "", fields[:_MOST_FOUND], ()
         )
@@ -139,7 +137,7 @@ class FieldsPage(QScrollArea):
                 show(name)
 
     def _name(self, group: FormGroup, show: Callable[[str], object]) -> None:
-        """Let a function show a section's name, now and after each change of the name."""
+        """Pass a section's name to a function that shows the name, now and after each change of the name."""
         self._naming.setdefault(group.key, []).append(show)
         show(group.label)
 
@@ -171,12 +169,12 @@ class FieldsPage(QScrollArea):
         self._take_focus()
 
     def _take_focus(self) -> None:
-        """Give the focus back to the part that had it before the page was rebuilt."""
+        """Give the focus to the part that had the focus before the page was rebuilt."""
         wanted, self._wanted = self._wanted, ""
         part: QWidget | None = None
         if isinstance(wanted, tuple):
             key, by = wanted
-            # At an end of the list, an item can move only in the opposite direction.
+            # At the ends of the list, an item can move in only one direction.
             part = next((b for step in (by, -by) if (b := self._moving.get((key, step))) and b.isEnabled()), None)
         elif wanted:
             part = next(
@@ -208,7 +206,7 @@ class FieldsPage(QScrollArea):
         self.moved.emit(key, by)
 
     def _head(self, group: FormGroup, *, first: bool, whole: FormGroup) -> QVBoxLayout:
-        """Return a section's name, description and buttons."""
+        """Return a layout with a section's name, description and buttons."""
         head = spaced(QVBoxLayout(), GAP // 2)
         row = QHBoxLayout()
         name = label(group.label, "title" if first else "body", bold=True)
@@ -287,8 +285,8 @@ class FieldsPage(QScrollArea):
 def _row(column: QVBoxLayout) -> QHBoxLayout:
     """Add an empty row at the end of a column that ends in a stretch.
 
-    PySide 6.11 crashes when a window closes if a stretch was added to one of its rows before the row was added to
-    another layout.
+    Add the row to the column before anything is added to the row. If a stretch is added first, PySide 6.11 crashes
+    when the window closes.
     """
     row = QHBoxLayout()
     column.insertLayout(column.count() - 1, row)
@@ -310,7 +308,7 @@ def _rule() -> QWidget:
 
 
 def _shape_of(group: FormGroup) -> tuple[str, ...]:
-    """Return the names that determine if a page needs the same widgets as before."""
+    """Return names that describe the widgets of a section. While they are the same, the page need not be rebuilt."""
     return (group.key, *(field.key for field in group.fields), *(inner.key for inner in group.groups))
 
 
@@ -318,7 +316,7 @@ class TextPage(QWidget):
     """Page with the file as text.
 
     Attributes:
-        edited: signal: a person typed something; with the whole text.
+        edited: signal: a person changed the text; with the whole text.
     """
 
     edited = Signal(str)
@@ -361,7 +359,7 @@ class TextPage(QWidget):
         self.editor.setFocus()
 
     def mark_unmodified(self) -> None:
-        """Mark the shown text as equal to that of the draft."""
+        """Mark the text shown as equal to the text of the draft."""
         self.editor.document().setModified(False)
 
     def _typed(self) -> None:

@@ -1,4 +1,4 @@
-"""Drawings of noise, painted in a separate thread and shown when they are finished."""
+"""Drawings of noise. A separate thread paints them, and the window shows them when they are finished."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -23,7 +23,8 @@ _RULER = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Canvas:
-    """Target of a drawing: logical size, pixels per logical pixel, colors, and height of letters in logical pixels."""
+    """Target of a drawing: size in logical pixels, pixels per logical pixel, colors, and height of letters in logical
+    pixels."""
 
     size: QSize
     ratio: float
@@ -61,7 +62,7 @@ class NoisePicture(QWidget):
         self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the image; until an image in the new size is finished, resize the old one."""
+        """Draw the image. Until an image in the new size is finished, draw the old image in the new size."""
         painter = QPainter(self)
         if not self._image.isNull():
             painter.drawImage(self.rect(), self._image)
@@ -74,7 +75,7 @@ class NoisePicture(QWidget):
 
 
 class _Sheet:
-    """Image with a scale in meters: x points right, y points up, and both have the same scale."""
+    """Image with a scale in meters. x points right, y points up, and both axes have the same scale."""
 
     def __init__(self, canvas: Canvas, points: FloatArray) -> None:
         self.palette = canvas.palette
@@ -107,7 +108,7 @@ class _Sheet:
         self.painter.drawPolyline(self.polygon(points))
 
     def hairs(self, paths: FloatArray, colour: str, alpha: int) -> None:
-        """Draw many lines, (n, k, 2), each one pixel wide; thicker lines would take ten times as long."""
+        """Draw many lines, (n, k, 2), one pixel wide. Thicker lines would take ten times as long."""
         ink = QColor(colour)
         ink.setAlpha(alpha)
         pen = QPen(ink, 1.0)
@@ -124,7 +125,7 @@ class _Sheet:
         self.painter.drawPoints(self.polygon(points))
 
     def crosses(self, points: FloatArray, colour: str, size: float) -> None:
-        """Draw small crosses, which people can distinguish from dots even without color."""
+        """Draw small crosses, which differ from dots even without color."""
         self.painter.setPen(QPen(QColor(colour), 1.4))
         for point in self.polygon(points).toList():
             x, y = point.x(), point.y()
@@ -150,9 +151,9 @@ class _Sheet:
 
 
 def fan_image(fan: PathSpread, other: PathSpread, canvas: Canvas, colour: str, *, dashed: bool) -> QImage:
-    """Draw a fan: the drive, 200 paths, and the ellipse of their end points.
+    """Draw the commanded drive, 200 resulting paths, and the ellipse of their end points.
 
-    The scale is the same as for the other fan.
+    The scale is chosen so that `other` also fits.
     """
     everything = np.concatenate([each.reshape(-1, 2) for one in (fan, other) for each in (one.paths, one.ellipse)])
     sheet = _Sheet(canvas, np.concatenate([everything, fan.driven]))
@@ -165,7 +166,7 @@ def fan_image(fan: PathSpread, other: PathSpread, canvas: Canvas, colour: str, *
 
 
 def scan_image(scan: RoomScan, canvas: Canvas) -> QImage:
-    """Draw a laser sweep: walls, the true end points of the beams, and the measured ones."""
+    """Draw a laser sweep: the walls, and the true and the measured end points of the beams."""
     sheet = _Sheet(canvas, np.concatenate([scan.walls.reshape(-1, 2), scan.seen]))
     palette = canvas.palette
     for wall in scan.walls:
@@ -178,7 +179,7 @@ def scan_image(scan: RoomScan, canvas: Canvas) -> QImage:
 
 
 def fan_painter(course: Literal["straight", "square"], *, believed: bool) -> PaintFunction:
-    """Return the function that draws a course with the wheels' odometry, or with the particle filter's prediction."""
+    """Return a function that draws a drive by the wheels' odometry, or by the prediction of the particle filter."""
 
     def paint(preview: NoisePreview, canvas: Canvas) -> QImage:
         drive = preview.straight if course == "straight" else preview.square

@@ -1,4 +1,4 @@
-"""List of the maps, template sets, files, words or programs that a field can name, with a preview of each."""
+"""List of the maps, template sets, files, words or programs that a field can name, with previews."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from ui.windows.untrusted_text import shown
 _LOOK = QSize(96, 64)
 """Size of the picture next to a name, `px`."""
 _LINES = 40
-"""Height of a text without a picture, `px`."""
+"""Height of an entry without a picture, `px`."""
 _FOLDERS = frozenset({"map", "templates", "dialogue.games", "dialogue.words"})
 """Fields that name folders."""
 _LISTS = frozenset({"ros_parameters"})
@@ -21,10 +21,10 @@ _LISTS = frozenset({"ros_parameters"})
 
 
 class ResourceList(QWidget):
-    """List that opens below a field, and closes after a choice.
+    """List that opens below a field and closes after a choice.
 
     Signals:
-        chosen: the value for the study.
+        chosen: a person chose this value for the study.
 
     Args:
         key: key of the field.
@@ -74,7 +74,7 @@ class ResourceList(QWidget):
         (self.list if self.list.count() else self.other).setFocus()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Close on Esc."""
+        """Close the list at Esc."""
         if event.key() == Qt.Key.Key_Escape:
             self.close()
         else:
@@ -99,7 +99,10 @@ class ResourceList(QWidget):
 
 
 def _as_written(path: Path, study_folder: Path, *, folder: bool) -> str:
-    """Return a path as a study writes it: relative if it is in the study's folder. A folder starts with "./"."""
+    """Return a path in the form for a study file.
+
+    A path in the study's folder becomes relative, and a folder then starts with `./`.
+    """
     if not path.resolve().is_relative_to(study_folder.resolve()):
         return str(path)
     inside = path.resolve().relative_to(study_folder.resolve())

@@ -1,4 +1,4 @@
-"""Field of the form: its name, description, value, the source of the value, and its faults."""
+"""Row of the form for a field: its name, description, value, the origin of the value, and its faults."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -18,9 +18,9 @@ _EDITOR_WIDTH = 240
 _WIDE = 340
 """Width of the editor of a list, `px`."""
 _WIDEST = 360
-"""Greatest width of an editor, logical pixels; in a small window, a button still fits next to it."""
+"""Greatest width of an editor, logical pixels. In a small window, a button also fits next to the editor."""
 _NARROW = 128
-"""Width of an editor next to drawings, `px`."""
+"""Width of an editor if drawings are next to the fields, `px`."""
 _WORDS = 240
 """Width of the text next to an editor, `px`."""
 _NEVER_BESIDE = 10_000
@@ -29,13 +29,13 @@ _STEPS = 1000
 
 
 class _Line(QLineEdit):
-    """Line edit that reports when it loses the focus, and when a person requests the list of choices."""
+    """Text field that reports when it loses the focus, and when a person requests the list of choices."""
 
     left = Signal()
     listed = Signal()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Request the list if the pressed key is one that opens lists elsewhere."""
+        """Request the list of choices if the pressed key usually opens lists."""
         if event.key() == Qt.Key.Key_Down:
             self.listed.emit()
         else:
@@ -47,7 +47,7 @@ class _Line(QLineEdit):
 
 
 class _Combo(ChoiceBox):
-    """Combo box that the mouse wheel changes only while it has the focus, to prevent accidental changes."""
+    """Combo box that ignores the mouse wheel unless it has the focus, to prevent accidental changes."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         if self.hasFocus():
@@ -57,7 +57,7 @@ class _Combo(ChoiceBox):
 
 
 class _Slider(QSlider):
-    """Slider that the mouse wheel never changes, to prevent accidental changes on a page that scrolls."""
+    """Slider that ignores the mouse wheel, to prevent accidental changes on a page that scrolls."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         event.ignore()
@@ -74,12 +74,12 @@ class FieldRow(FoldingRow):
 
     Attributes:
         field: field shown.
-        editor: widget to type or choose in.
+        editor: widget in which a person types or chooses the value.
         last_widget: last widget of the row in the order of Tab.
-        edited: signal: a person typed or chose a value; key of the field, and the text.
-        edit_finished: signal: a person finished editing the field.
-        reset: signal: a person wants to reset the field to its default.
-        file_wanted: signal: a person wants to edit the file that the field names; key of the field.
+        edited: signal: a person typed or chose a value; with the key of the field and the text.
+        edit_finished: signal: a person finished editing the field; with its key.
+        reset: signal: a person wants to reset the field to its default; with its key.
+        file_wanted: signal: a person wants to edit the file that the field names; with the key of the field.
     """
 
     edited = Signal(str, str)
@@ -151,7 +151,7 @@ class FieldRow(FoldingRow):
         return "" if self._line is None else self._line.text()
 
     def show_field(self, field: FormField, faults: tuple[BadFile, ...]) -> None:
-        """Show the field's current value; do not replace a text that is being typed."""
+        """Show the field's current value, but do not replace a text that a person is typing."""
         self.field = field
         text = editable_text(field)
         if self._line is not None and not (self._line.hasFocus() and self._line.isModified()):
@@ -263,7 +263,7 @@ class FieldRow(FoldingRow):
 
 
 def _arrow(colour: QColor) -> QIcon:
-    """Return the sign of a button that opens a list."""
+    """Return the icon of a button that opens a list."""
     side = px(16)
     pixmap = QPixmap(side, side)
     pixmap.fill(Qt.GlobalColor.transparent)
@@ -291,7 +291,7 @@ def _slides(field: FormField) -> bool:
 
 
 def _value_at(field: FormField, place: int) -> str:
-    """Return the number at a slider's position. Small numbers get more space, because most noise is small."""
+    """Return the number at a slider's position. Small numbers have more space, because most noise values are small."""
     share = place / _STEPS
     if field.minimum < 0:
         return f"{field.minimum + (field.maximum - field.minimum) * share:.3g}"

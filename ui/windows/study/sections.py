@@ -1,4 +1,4 @@
-"""Tree of a study's sections; each shows its numbers of written fields and of faulty fields."""
+"""Tree of a study's sections. Each section shows the number of fields set in the file, and the number of faults."""
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtWidgets import QTreeWidget, QTreeWidgetItem
@@ -9,7 +9,7 @@ from ui.windows.look import GAP, follow_text, px
 from ui.windows.untrusted_text import shown
 
 NOISE = "noise"
-"""Key of the section that is shown on a single page with all its subsections."""
+"""Key of the noise section, which is shown on one page together with all its subsections."""
 _KEY = Qt.ItemDataRole.UserRole
 
 
@@ -31,7 +31,7 @@ class SectionTree(QTreeWidget):
         self.currentItemChanged.connect(self._choose)
 
     def show_draft(self, draft: StudyDraft, key: str) -> None:
-        """Show the sections of a draft, and select the one with this key."""
+        """Show the sections of a draft, and select the section with this key."""
         groups = {group.key: group for group in draft.form.all_groups() if not group.key.startswith(f"{NOISE}.")}
         if set(groups) != set(self._items()):
             self._fill(draft.form, key)
@@ -41,12 +41,12 @@ class SectionTree(QTreeWidget):
             written = group.written() if own else sum(field.written is not None for field in group.fields)
             wrong = sum(_is_in(place, own) for place in faulty)
             marks = ([f"● {written}"] if written else []) + ([f"⚠ {wrong}"] if wrong else [])
-            spoken = ([f"{written} written"] if written else []) + ([f"{wrong} wrong"] if wrong else [])
+            spoken = ([f"{written} set"] if written else []) + ([f"{wrong} with faults"] if wrong else [])
             item.setText(0, shown("   ".join([group.label, *marks])))
             item.setData(0, Qt.ItemDataRole.AccessibleTextRole, ", ".join([group.label, *spoken]))
 
     def select(self, key: str) -> bool:
-        """Select a section without emitting a signal; return False if no section has this key."""
+        """Select a section without emitting a signal. Return False if no section has this key."""
         item = self._items().get(key)
         if item is None:
             return False
@@ -91,5 +91,5 @@ def _made_item(group: FormGroup) -> QTreeWidgetItem:
 
 
 def _is_in(place: str, section: str) -> bool:
-    """Return True if a field is in a section. Fields without a section are in the section of the whole study."""
+    """Return True if a field is in a section. Fields without a section belong to the section of the whole study."""
     return place.startswith((f"{section}.", f"{section}[")) if section else "." not in place

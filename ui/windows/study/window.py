@@ -39,14 +39,16 @@ from ui.windows.untrusted_text import title_text
 
 
 class StudyWindow(QMainWindow):
-    """Window of a study file: sections on the left, fields in the middle, drawings of noise on the right, and faults
-    below."""
+    """Window of a study file.
+
+    Sections are on the left, fields in the middle, drawings of noise on the right, and faults below.
+    """
 
     def __init__(self, path: Path) -> None:
         """Open a study file.
 
         Raises:
-            BadFile: it cannot be read.
+            BadFile: the file cannot be read.
         """
         super().__init__()
         self.editor = StudyEditor(path)
@@ -118,13 +120,13 @@ class StudyWindow(QMainWindow):
 
     @Slot()
     def show_form(self) -> None:
-        """Show the form again."""
+        """Show the form in place of the text or the changes."""
         self._open(self._key)
         self.sections.setFocus()
 
     @Slot()
     def repaint_all(self) -> None:
-        """Use other colors."""
+        """Show the window in the current colors."""
         self.noise.redraw()
         self._show()
 
@@ -238,7 +240,7 @@ class StudyWindow(QMainWindow):
         self.editor.change(f"+{key}", lambda draft: draft.add(draft.groups()[key]), at_once=True)
 
     def _add_key(self, key: str) -> None:
-        """Ask which key to add to a section, and add it."""
+        """Ask for the key to add to a section, and add the key."""
         draft = self.editor.draft
         group = draft.groups()[key]
         chooser = KeyChooser(group.label, draft.keys_for(group), self, own_names=draft.allows_own_names(group))
@@ -247,9 +249,9 @@ class StudyWindow(QMainWindow):
             self.editor.change(f"+{key}.{name}", lambda draft: draft.add_key(draft.groups()[key], name), at_once=True)
 
     def _open_form(self, key: str) -> None:
-        """Edit the questionnaire that a step names in a separate window.
+        """Open a separate window for the questionnaire that a step names.
 
-        If the file does not exist, create it first.
+        If the questionnaire's file does not exist, ask for confirmation, and create the file.
         """
         name = editable_text(self.editor.draft.fields()[key])
         folder, shipped = self.editor.path.parent, shipped_form(name, language_of(self.editor.draft))
@@ -280,10 +282,10 @@ class StudyWindow(QMainWindow):
         window.show()
 
     def _preview(self, key: str) -> None:
-        """Show a step as participants see it, in a separate window."""
+        """Show a step in a separate window, in the form that participants see."""
         if self.editor.dirty or self.editor.draft.faults:
             what = "Save the file" if self.editor.dirty else "Correct the faults"
-            self._failed(f"A preview shows the saved file. {what} first.")
+            self._failed(f"A preview shows only a saved file without faults. {what} first.")
             return
         number = int(key.removeprefix("steps[").removesuffix("]")) + 1
         program, *arguments = (*THBRIDGE, "study", "preview", str(self.editor.path.parent.resolve()), str(number))
@@ -301,7 +303,7 @@ class StudyWindow(QMainWindow):
 
     @Slot()
     def save(self) -> None:
-        """Write the file; ask for confirmation if it has faults, or if another program has changed it."""
+        """Write the file. Ask for confirmation if the file has faults, or if another program has changed it."""
         self._closing = False
         self.editor.save()
 
@@ -418,7 +420,7 @@ class StudyWindow(QMainWindow):
         self.setCentralWidget(inside)
 
     def _order(self, page: FieldsPage) -> None:
-        """Set the order of Tab to the reading order: buttons at the top, sections, fields, effect of noise, faults."""
+        """Let Tab follow the reading order: buttons at the top, sections, fields, drawings of noise, faults."""
         order = [self.search, *self._buttons.values(), self.sections]
         for before, after in pairwise(order):
             self.setTabOrder(before, after)

@@ -1,4 +1,4 @@
-"""Window of a template set: sheets and texts, with a preview."""
+"""Window that edits a template set, with sheets, texts and a preview."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Page with a sheet of a template set: one row for each treasure or property; some cells offer a list of choices."""
+"""Page with a sheet of a template set. Each treasure or property has a row; some cells offer a list of choices."""
 
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
@@ -43,17 +43,17 @@ _Index = QModelIndex | QPersistentModelIndex
 
 
 class SheetPage(QWidget):
-    """Table of cells to type or choose in, and buttons that add and remove rows.
+    """Page with a table in which people type or choose values, and buttons that add and remove rows.
 
     Signals:
-        changed: the files that a change concerns, with their new texts.
+        changed: a person changed the sheet; with the new texts of the changed files.
 
     Args:
-        name: kind of the rows, such as `treasure`.
-        sheet: function that returns the sheet for the current texts; None if they cannot be read as one.
+        name: name of a row's kind, such as `treasure`.
+        sheet: function that returns the sheet for the current texts; None if the texts cannot be read as a sheet.
 
     Attributes:
-        table: the cells.
+        table: table with the cells.
     """
 
     changed = Signal(object)
@@ -102,7 +102,7 @@ class SheetPage(QWidget):
 
         Args:
             pictures: pictures of the set, by name.
-            faults: faults of the set; the table marks those about a cell.
+            faults: faults of the set; the table marks the faults that concern a cell.
         """
         sheet = self._shown = self._sheet()
         self.setEnabled(sheet is not None)
@@ -127,7 +127,7 @@ class SheetPage(QWidget):
         self._show_meaning()
 
     def go_to(self, fault: BadFile) -> bool:
-        """Select the cell that a fault concerns; return False if it concerns no cell."""
+        """Select the cell that a fault concerns. Return False if the fault concerns no cell."""
         cell = None if self._shown is None else self._shown.cell_of(fault)
         if cell is None:
             return False
@@ -197,7 +197,7 @@ class SheetPage(QWidget):
 
 
 class _Choices(QStyledItemDelegate):
-    """Delegate that shows a list in cells with choices."""
+    """Delegate that offers a list in cells with choices."""
 
     def __init__(self, table: QTableWidget, choices: Callable[[int], tuple[str, ...]]) -> None:
         super().__init__(table)

@@ -1,4 +1,4 @@
-"""Window of a template set: treasures and properties as sheets, all files as text, pictures, and a preview."""
+"""Window of a template set, with sheets of treasures and properties, all files as text, pictures, and a preview."""
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -57,16 +57,16 @@ _LOOK = QSize(96, 96)
 
 
 class TemplateWindow(QMainWindow):
-    """Sheets and texts on the left, the preview and the pictures on the right, faults below.
+    """Window with sheets and texts on the left, the preview and the pictures on the right, and faults below.
 
     Attributes:
         sheets: page of each sheet, by its title.
         pages: editor of each file, by its path in the folder.
         changes: page with the changes that saving would write.
-        words: menu of the words that are allowed at the cursor.
-        draft: texts at the latest check.
+        words: menu of the reserved words that are allowed at the cursor.
+        draft: draft of the latest check; None before the first check.
         preview: all sentences, as a robot would say them.
-        faults: all faults.
+        faults: list of all faults.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -81,13 +81,13 @@ class TemplateWindow(QMainWindow):
         self.pages = {name: self._made_page(name, disk.text) for name, disk in self._on_disk.items()}
         self.sheets = {title: self._made_sheet(title) for title in sheets_of(self._shown_texts()) or ("Treasures",)}
         self.changes = ChangesPage()
-        # Names of the pages changed by each step of the person, the latest step last; and the same for undone steps.
+        # Names of the pages that each step of the person changed, the latest step last; the same for undone steps.
         self._done: list[tuple[str, ...]] = []
         self._undone: list[tuple[str, ...]] = []
         self._step: list[str] | None = None
         self.draft: TemplateDraft | None = None
         self._new_pictures: dict[str, bytes] = {}
-        # Original bytes of the replaced pictures.
+        # Original bytes of the replaced pictures, by name.
         self._replaced: dict[str, bytes | None] = {}
         # Properties and pictures of the latest texts that had no faults.
         self._properties: tuple[TreasureProperty, ...] = ()
@@ -109,7 +109,7 @@ class TemplateWindow(QMainWindow):
         self.pictures.setIconSize(QSize(px(_LOOK.width()), px(_LOOK.height())))
         self.pictures.itemActivated.connect(self._change_picture)
         self.word_button = QPushButton("Insert a word")
-        self.word_button.setAccessibleDescription("Insert a word that stands for a fact known at this line")
+        self.word_button.setAccessibleDescription("Insert a word that is replaced by a fact known at this line")
         self.words = QMenu(self.word_button)
         self.words.aboutToShow.connect(self._offer_words)
         self.words.triggered.connect(self._put_in_word)
@@ -117,7 +117,7 @@ class TemplateWindow(QMainWindow):
         self.add_picture = QPushButton("Add a picture …")
         self.add_picture.clicked.connect(self._add_picture)
         self.faults = FaultList(
-            "No faults: the set can be played.",
+            "No faults: games of this set can be played.",
             lambda sentence: sentence.removeprefix(f"{folder}/").removeprefix(f"{folder}: "),
         )
         self.faults.chosen.connect(self._open_fault)
@@ -142,27 +142,27 @@ class TemplateWindow(QMainWindow):
     # Texts ------------------------------------------------------------------------------------------------------------
 
     def texts(self) -> dict[str, str]:
-        """Return the typed texts, with the line ends of their files."""
+        """Return the current texts, with the line ends of their files."""
         return {
             name: with_line_ends_of(self._on_disk[name].text, exact_text(page)) for name, page in self.pages.items()
         }
 
     def changed(self) -> list[str]:
-        """Return the names of the files that differ from those on disk: texts, and inserted pictures."""
+        """Return the names of the texts that differ from the files on disk, and of the new pictures."""
         return [*self._changed_texts(), *self._new_pictures]
 
     def _changed_texts(self) -> list[str]:
         return [name for name, text in self.texts().items() if text != self._on_disk[name].text]
 
     def _shown_texts(self) -> dict[str, str]:
-        """Return the texts with line ends as editors use them."""
+        """Return the current texts, with the line ends of the editors."""
         return {name: exact_text(page) for name, page in self.pages.items()}
 
     @Slot()
     def save(self) -> bool:
-        """Write all changes, each file in one step.
+        """Write all changed files, each file in one step.
 
-        Return False if the person declined this, or if it was not possible.
+        Return False if the person declined to save, or if saving has failed.
         """
         faults = template_draft(self.folder, self.texts(), self._new_pictures).faults
         count = f"{len(faults)} {'fault remains' if len(faults) == 1 else 'faults remain'}"
@@ -177,7 +177,7 @@ class TemplateWindow(QMainWindow):
                 path = self.folder / name
                 self._on_disk[name] = write_edited(path, self.texts()[name], self._on_disk[name].marked)
             for name in list(self._new_pictures):
-                with suppress(OSError):  # The write below reports the error.
+                with suppress(OSError):  # The next statement reports the error.
                     (self.folder / PICTURES).mkdir(exist_ok=True)
                 write_whole(path_inside(self.folder / PICTURES, name), self._new_pictures[name])
                 del self._new_pictures[name]
@@ -189,7 +189,7 @@ class TemplateWindow(QMainWindow):
         return True
 
     def _changed_by_others(self) -> list[str]:
-        """Return the names of the files to be written that have changed since they were read."""
+        """Return the names of the files to write that other programs have changed since they were read."""
         texts = [name for name in self._changed_texts() if read_edited(self.folder / name) != self._on_disk[name]]
         return texts + [name for name in self._new_pictures if self._picture_on_disk(name) != self._replaced.get(name)]
 
@@ -312,7 +312,7 @@ class TemplateWindow(QMainWindow):
 
     @Slot(object)
     def _apply(self, changed: Texts) -> None:
-        """Write new texts into their pages, as one step."""
+        """Write new texts into their pages, as one step for undo."""
         self._step = []
         for name, text in changed.items():
             _replace_text(self.pages[name], text)
@@ -335,7 +335,7 @@ class TemplateWindow(QMainWindow):
 
     @Slot()
     def undo(self) -> None:
-        """Undo the last step, in any file."""
+        """Undo the last step in all files that it changed."""
         self._go(self._done, self._undone, QPlainTextEdit.undo)
 
     @Slot()
@@ -355,7 +355,7 @@ class TemplateWindow(QMainWindow):
             self._show_state()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Leave the undo and redo keys to the window, because a page knows only its own steps."""
+        """Let the window receive the keys for undo and redo, because a page knows only its own steps."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and _is_of_steps(event):
             event.ignore()
             return True
@@ -363,7 +363,7 @@ class TemplateWindow(QMainWindow):
 
     @Slot()
     def _offer_words(self) -> None:
-        """Offer the words that are allowed on the line of the cursor."""
+        """Fill the menu with the reserved words that are allowed on the line of the cursor."""
         self.words.clear()
         page = self._questions()
         scenario = None if page is None else scenario_on(exact_text(page), page.textCursor().blockNumber() + 1)
@@ -387,12 +387,12 @@ class TemplateWindow(QMainWindow):
         return next((page for page in pages if page is shown), None)
 
     def _change_picture(self, item: QListWidgetItem) -> None:
-        """Replace a treasure's picture by another image file, which is written when the set is saved."""
+        """Replace a treasure's picture by another image file. The file is written when the set is saved."""
         self._take_picture(item.data(Qt.ItemDataRole.UserRole))
 
     @Slot()
     def _add_picture(self) -> None:
-        """Add an image file to the pictures, so that a treasure can name it."""
+        """Add an image file to the pictures, so that a treasure can use it."""
         self._take_picture(None)
 
     def _take_picture(self, name: str | None) -> None:
@@ -405,7 +405,7 @@ class TemplateWindow(QMainWindow):
             self._show_problem(f"{picked}: cannot be read ({error.strerror}).")
             return
         if QPixmap().loadFromData(data):
-            # Replace blanks, because the list of treasures allows no blanks in names.
+            # Replace blanks, because the list of treasures does not allow blanks in file names.
             taken = name or "_".join(Path(picked).name.split())
             self._replaced.setdefault(taken, self._picture_on_disk(taken))
             self._new_pictures[taken] = data
@@ -434,7 +434,7 @@ class TemplateWindow(QMainWindow):
         follow_text(page, lambda it: it.setFont(fixed_font()))
         page.textChanged.connect(self._typed)
         page.document().undoCommandAdded.connect(partial(self._stepped, name))
-        # The menu of the page would undo only the steps of this page.
+        # Disable the context menu, because its undo would undo only the steps of this page.
         page.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         page.installEventFilter(self)
         return page
@@ -469,7 +469,7 @@ class TemplateWindow(QMainWindow):
         choices.addWidget(self.treasure, 1)
         choices.addWidget(self.place, 1)
         column.addWidget(self.preview, 3)
-        column.addWidget(label("Pictures. Press Enter to replace one.", "small", muted=True))
+        column.addWidget(label("Pictures. Press Enter to replace the selected picture.", "small", muted=True))
         column.addWidget(self.pictures, 2)
         column.addWidget(self.add_picture)
         self.tabs.currentChanged.connect(lambda _: self.word_button.setVisible(self._questions() is not None))
@@ -495,7 +495,7 @@ def _is_of_steps(event: QKeyEvent) -> bool:
 
 
 def _replace_text(page: QPlainTextEdit, text: str) -> None:
-    """Write a text into a page, as one step that changes only the part that differs."""
+    """Write a text into a page, as one step for undo that changes only the part that differs."""
     before = exact_text(page)
     if before == text:
         return
@@ -508,11 +508,11 @@ def _replace_text(page: QPlainTextEdit, text: str) -> None:
 
 
 def _same(one: str, other: str) -> int:
-    """Return the number of characters at the beginning that two texts have in common."""
+    """Return the length of the beginning that two texts have in common."""
     pairs = enumerate(zip(one, other, strict=False))
     return next((index for index, (a, b) in pairs if a != b), min(len(one), len(other)))
 
 
 def _units(text: str) -> int:
-    """Return the length as Qt counts it, in UTF-16 units."""
+    """Return the length of a text in UTF-16 units, as Qt counts it."""
     return len(text.encode("utf-16-le", "surrogatepass")) // 2
