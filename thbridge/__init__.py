@@ -1,1 +1,1 @@
-"""The bridge and the game: everything that leaves a robot, and what people do with it."""
+"""The bridge and the game: messages of robots to other programs, and the treasure hunt with people."""

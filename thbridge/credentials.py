@@ -1,4 +1,4 @@
-"""Credentials of a connection: its key, with the rights of the key; and the lines in which keys are sent."""
+"""Credentials of a connection (the key and the rights of this key), and the lines in which keys are sent."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import msgspec
 
 
 class Right(StrEnum):
-    """Rights of a key."""
+    """Right of a key."""
 
     PARTICIPANT = "participant"
     HIDER = "hider"
@@ -24,9 +24,9 @@ class Credentials:
     """Credentials of a connection.
 
     Attributes:
-        key: name of its key; empty if it has none.
+        key: name of the connection's key; empty if there is no key.
         rights: rights of the connection.
-        extended: False if it may only use the protocol of 2016.
+        extended: False if the connection may only use the protocol of 2016.
     """
 
     key: str = ""
@@ -34,13 +34,16 @@ class Credentials:
     extended: bool = True
 
     def may(self, right: Right) -> bool:
-        """Return True if the connection has a right. Admins have all; the right to intervene includes watching."""
+        """Return True if the connection has a right.
+
+        Admins have all rights. The right to intervene includes the right to watch.
+        """
         includes = right is Right.WATCH and Right.INTERVENE in self.rights
         return right in self.rights or includes or Right.ADMIN in self.rights
 
     @property
     def one_game(self) -> bool:
-        """True for a participant's key: it is valid for one game and cannot begin another."""
+        """True for a participant's key, which is valid for one game only."""
         return Right.PARTICIPANT in self.rights and Right.ADMIN not in self.rights
 
     def __str__(self) -> str:
@@ -58,14 +61,14 @@ class KeyAnswer(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_
 
     Attributes:
         admitted: name of the key; empty if the client is refused.
-        refused: reason of the refusal, as a clause.
+        refused: reason for the refusal, as a clause.
     """
 
     admitted: str = ""
     refused: str = ""
 
     def line(self) -> bytes:
-        """Return the line."""
+        """Return the answer as a line."""
         return msgspec.json.encode(self) + b"\n"
 
 
@@ -75,7 +78,7 @@ def key_line(secret: str) -> bytes:
 
 
 def secret_of(line: bytes) -> str | None:
-    """Return the key in a client's first line; None if there is none."""
+    """Return the key in a client's first line; None if the line has no key."""
     try:
         value: object = msgspec.json.decode(line)
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):

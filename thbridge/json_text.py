@@ -1,4 +1,4 @@
-"""JSON of files and messages that may come from other programs."""
+"""JSON from files and messages, which other programs may have written."""
 
 import json
 from collections.abc import Callable
@@ -21,4 +21,4 @@ def _deep_as_value_error(parse: Callable[P, T]) -> Callable[P, T]:
 
 
 json_of = _deep_as_value_error(json.loads)
-"""`json.loads`, but nesting that exhausts the parser's stack raises ValueError, like any other invalid JSON."""
+"""Parser like `json.loads`, which also raises ValueError if nesting exhausts the parser's stack."""

@@ -1,29 +1,29 @@
-"""Lines of a byte stream, in bounded memory: the framing of all our text protocols."""
+"""Split of a byte stream into lines, in bounded memory; all our text protocols consist of lines."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 LINE_LIMIT = 64 * 1024
-"""Length of the longest accepted line, in bytes before its line feed."""
+"""Length of the longest accepted line, in bytes, without the line feed."""
 
 
 @dataclass(frozen=True, slots=True)
 class OverlongLine:
-    """Line longer than the limit; its content was dropped.
+    """Line that was longer than the limit, so its content was dropped.
 
     Attributes:
-        length: bytes before its line feed.
+        length: number of bytes before the line feed.
     """
 
     length: int
 
 
 class LineSplitter:
-    """Splitter of a byte stream into lines, in bounded memory; the stream may come in segments of any size.
+    """Splitter of a byte stream into lines, in bounded memory. The stream may arrive in segments of any size.
 
-    A line ends with LF or CRLF. Bytes that are not UTF-8 become U+FFFD. Bytes after the last line feed are kept for the
-    next call and never returned as a line, because the line may be incomplete.
+    A line ends with LF or CRLF. Bytes that are not UTF-8 become U+FFFD. Bytes after the last line feed may be an
+    incomplete line, so they are kept for the next call.
     """
 
     def __init__(self, limit: int = LINE_LIMIT) -> None:

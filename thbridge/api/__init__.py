@@ -1,4 +1,4 @@
-"""Interface for programs. Only the names here and in `thbridge.api.learning` are public; see docs/reference/api.md."""
+"""Public interface: the names here and in `thbridge.api.learning`. See docs/reference/api.md."""
 
 from thbridge.api.errors import HuntError as HuntError
 from thbridge.api.errors import HuntWarning as HuntWarning

@@ -1,4 +1,4 @@
-"""Exception and warning of the public interface, and the conversion of internal exceptions to them."""
+"""Exception and warning of the public interface, and the conversion of internal exceptions."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,9 +8,9 @@ from thbridge.files.errors import BadFile, reason_of
 
 
 class HuntError(Exception):
-    """Error in a study, a recording, an argument or a request, which the caller can correct.
+    """Error that the caller can correct: in a study, a recording, an argument or a request.
 
-    `str(error)` gives the location (file, line, key), the problem and the remedy, one line for each problem.
+    `str(error)` has one line for each problem, with the location (file, line, key), the problem and the remedy.
 
     Attributes:
         file: the file or folder with the problem, or None.
@@ -26,7 +26,7 @@ class HuntError(Exception):
 
 
 class HuntWarning(UserWarning):
-    """Warning about a probable mistake in a valid study; it gives location, problem and remedy."""
+    """Warning about a probable mistake in a valid study, with location, problem and remedy."""
 
 
 @contextmanager

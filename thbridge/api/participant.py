@@ -1,4 +1,4 @@
-"""The participant's requests, made by a program instead of a window."""
+"""Requests of the participant, sent by a program instead of a window."""
 
 import operator
 from collections.abc import Callable, Sequence
@@ -29,7 +29,7 @@ from thbridge.roles.shared.view import (
 
 
 class QueuePlayer:
-    """Player for TabUI that makes each request once."""
+    """Player for TabUI that sends each request once."""
 
     def __init__(self) -> None:
         self._waiting: list[ParticipantRequest] = []
@@ -39,17 +39,19 @@ class QueuePlayer:
         self._waiting.append(request)
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
-        """See `Player`."""
+        """Return the requests to send; see `Player`."""
         waiting, self._waiting = self._waiting, []
         return waiting
 
 
 class HuntParticipant:
-    """Requests of the participant, as a person's window sends them; each takes effect a few ticks later or is refused.
+    """Requests of the participant, as the participant's window sends them.
 
-    Decisions that are discussed with a robot need an agreement first. For a room: call `select` or `suggest`, call
-    `answer` until the view contains the agreement, then call `send`. For a treasure: call `discuss`, then
-    `take_picture` or `name`. A refusal is an event, and part of the view.
+    A few ticks later, a request takes effect or is refused. A refusal is an event, and the view contains it.
+
+    Decisions that are discussed with a robot need an agreement first. To send a robot to a room, call `select` or
+    `suggest`, call `answer` until the view contains the agreement, then call `send`. For a treasure, begin with
+    `discuss`, and end with `take_picture` or `name`.
 
     Robots and rooms are numbers from 1.
     """
@@ -72,10 +74,10 @@ class HuntParticipant:
         self._ask(RequestSuggestion(self._index(robot)))
 
     def answer(self, robot: int, choice: int = 0) -> None:
-        """Answer a robot that waits for an answer; `choice` is an index from 0, and 0 agrees most.
+        """Answer a robot that waits for an answer; `choice` is an index from 0, and 0 is the answer that agrees most.
 
         Raises:
-            HuntError: the robot does not wait for an answer, or has no such choice.
+            HuntError: the robot does not wait for an answer, or the choice does not exist.
         """
         view = self._view()
         dialogues = () if view is None else view.dialogues
@@ -83,11 +85,11 @@ class HuntParticipant:
         if talk is None:
             raise HuntError(f"robot {robot} does not wait for an answer. Check view.dialogues first.")
         if not 0 <= choice < len(talk.choices):
-            raise HuntError(f"there is no choice {choice}. Choose one of 0 to {len(talk.choices) - 1}: {talk.choices}.")
+            raise HuntError(f"there is no choice {choice}. Give 0 to {len(talk.choices) - 1} for {talk.choices}.")
         self._ask(AnswerDialogue(talk.dialogue, talk.turn, whole("choice", choice)))
 
     def send(self, robot: int, room: int) -> None:
-        """Send a robot to the room agreed upon."""
+        """Send a robot to a room after an agreement."""
         self._ask(SendRobot(self._index(robot), whole("room", room)))
 
     def stop(self, robot: int) -> None:
@@ -103,13 +105,13 @@ class HuntParticipant:
         self._ask(MeasureProperty(whole("room", room), name))
 
     def tell(self, room: int, name: str, value: str) -> None:
-        """Report a property, which only people can see, of the treasure in a room."""
+        """Report a property of the treasure in a room that only people can see."""
         self._ask(TellProperty(whole("room", room), name, value))
 
     def discuss(
         self, robot: int, matter: Literal["take-picture", "take-treasure"], room: int, name: str | None = None
     ) -> None:
-        """Open a dialogue with a robot about taking a picture, or about `name` as the name of the treasure."""
+        """Open a dialogue with a robot about a picture of the treasure, or about `name` as the treasure's name."""
         self._ask(OpenDialogue(self._index(robot), matter, whole("room", room), name))
 
     def take_picture(self, room: int) -> None:
@@ -121,11 +123,11 @@ class HuntParticipant:
         self._ask(IdentifyTreasure(whole("room", room), name))
 
     def leave_treasure(self, room: int) -> None:
-        """Leave the treasure in a room undecided."""
+        """Leave the treasure in a room without naming it."""
         self._ask(LeaveTreasure(whole("room", room)))
 
     def take_up(self, room: int) -> None:
-        """Return to a treasure that was left undecided, while its robot still stands there."""
+        """Return to a treasure that was left without a name, while the robot is still in the room."""
         self._ask(TakeUpTreasure(whole("room", room)))
 
     def end_game(self) -> None:
@@ -148,14 +150,14 @@ class HuntParticipant:
 
 
 def checked_index(robot: int, robots: int) -> int:
-    """Return the index of a robot's number. Raises HuntError: there is no such robot."""
+    """Return the index of a robot's number. Raises HuntError: the robot does not exist."""
     if not 1 <= robot <= robots:
         raise HuntError(f"there is no robot {robot}. Give a number from 1 to {robots}.")
     return index_of(whole("robot", robot))
 
 
 def whole(name: str, value: SupportsIndex) -> int:
-    """Return a value as an int; accepts NumPy integers. Raises HuntError: the value is not a whole number."""
+    """Convert a number, possibly of NumPy, into an int. Raises HuntError: the value is not a whole number."""
     try:
         return operator.index(value)
     except TypeError:

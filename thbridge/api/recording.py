@@ -1,4 +1,4 @@
-"""Recordings: read as tables and messages, replayed, compared."""
+"""Recordings, which can be read as tables and messages, replayed, and compared."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
@@ -30,10 +30,10 @@ class HuntReplay:
     """Result of a replay.
 
     Attributes:
-        equal: True if every message is identical, bit for bit.
-        ticks: number of ticks run.
-        messages: number of messages found equal.
-        difference: a sentence about the first message that differs, or None if there is none.
+        equal: True if all messages are identical, bit for bit.
+        ticks: number of ticks of the replay.
+        messages: number of equal messages.
+        difference: a sentence about the first message that differs; None if all messages are equal.
         recording: the new recording, if one was requested.
     """
 
@@ -45,14 +45,14 @@ class HuntReplay:
 
 
 class HuntRecording:
-    """A recording of any ROS 1 robot or session: a bag, or the common name of a split bag. Data is read on demand.
+    """Recording of a session or of any ROS 1 robot; the data are read on demand.
 
     Args:
-        path: path of the bag.
+        path: path of the bag, or the common part of the paths of a split bag.
         beside: folder to which paths in the recorded study are relative.
 
     Raises:
-        HuntError: the bag cannot be read. Methods and properties raise it too.
+        HuntError: the bag cannot be read. All methods and properties can raise this error, too.
     """
 
     def __init__(self, path: str | Path, beside: str | Path = ".") -> None:
@@ -63,7 +63,7 @@ class HuntRecording:
 
     @property
     def seconds(self) -> float:
-        """Seconds from the first message to the last."""
+        """Seconds from the first message to the last message."""
         return self._info.duration
 
     @property
@@ -73,18 +73,23 @@ class HuntRecording:
 
     @cached_property
     def study(self) -> HuntStudy:
-        """The recorded study; only in recordings made by thbridge."""
+        """The recorded study; it exists only in recordings by thbridge."""
         with as_hunt_errors():
             return HuntStudy._of(recorded_study(self.path, session_of(self.path)), self._beside)
 
     @property
     def participant(self) -> str:
-        """Participant in thbridge's recordings ("person", a strategy, "program"); empty if connected from outside."""
+        """Participant of a recording by thbridge: "person", the name of a strategy, or "program".
+
+        The text is empty if the participant's program connected from outside.
+        """
         with as_hunt_errors():
             return session_of(self.path).participant
 
     def table(self, name: str) -> pa.Table:
-        """Return a table as `thbridge bag export` writes it: one row per message; `t_s` is seconds from the beginning.
+        """Return a table as `thbridge bag export` writes it, with one row per message.
+
+        The column `t_s` has seconds from the beginning.
 
         Args:
             name: a topic, such as "/robot1/odom", or the name of a table, such as "poses" (true and estimated poses of
@@ -104,15 +109,18 @@ class HuntRecording:
         return pa.concat_tables(pieces)
 
     def arrays(self, name: str) -> dict[str, Array]:
-        """Return the columns of a table as arrays by name; texts and lists are object arrays. See `table`."""
+        """Return the columns of a table as arrays, by name of the column; see `table`.
+
+        Columns of texts or lists are arrays of objects.
+        """
         table = self.table(name)
         return {column: table[column].to_numpy() for column in table.column_names}
 
     def messages(self, *topics: str) -> Iterator[tuple[float, str, Mapping[str, object]]]:
-        """Yield each message, oldest first, as seconds from the beginning, topic, and fields by their ROS names.
+        """Yield the messages, oldest first, as (seconds from the beginning, topic, fields by their ROS names).
 
         Args:
-            topics: names of topics. Without any, all topics are read.
+            topics: names of topics. If none is given, all topics are read.
         """
         stores: dict[tuple[str, str], Typestore] = {}
         start_ns = self._info.start_ns or 0
@@ -132,11 +140,11 @@ class HuntRecording:
         participant: Simulated | None = None,
         to: str | Path | None = None,
     ) -> HuntReplay:
-        """Replay a recording made by thbridge: the same inputs must give the same messages.
+        """Replay a recording by thbridge. The same inputs must give the same messages.
 
         Args:
-            changes: other values in the study, by dotted key, for what-if runs.
-            participant: name of a simulated participant that replaces the recorded one.
+            changes: changed values of the study, by dotted key, for what-if runs.
+            participant: name of a simulated participant that replaces the recorded participant.
             to: path of the new recording. If None, nothing is recorded.
 
         A replay without changes stops at the first difference, unless `to` is given.
@@ -144,7 +152,7 @@ class HuntRecording:
         study, bag = self.study.changed(changes) if changes else self.study, None if to is None else Path(to)
         setting = setting_of(study) if participant is None else with_strategy(setting_of(study), participant)
         if bag is not None and (bag.suffix != ".bag" or bag.resolve() == self.path.resolve()):
-            raise HuntError(f"to: {bag} cannot be the new bag. Give another name that ends in .bag.", bag)
+            raise HuntError(f"to: {bag} cannot be the new bag. Give another path that ends in .bag.", bag)
         if participant is not None and not self.participant:
             raise HuntError(f"participant: {self.path} has no participant to replace. Omit the argument.")
         options = ReplayOptions(0.0, 0.0, bag, bool(changes or participant or bag), participant)
@@ -161,7 +169,10 @@ class HuntRecording:
         return HuntReplay(done.difference is None, done.ticks, done.messages, difference, made)
 
     def figures(self) -> pa.Table:
-        """Return one row per game and robot, to compare runs: score, estimation errors, distance driven, arrivals."""
+        """Return a table for the comparison of runs: score, estimation errors, distance driven, and arrivals.
+
+        The table has one row per game and robot.
+        """
         with as_hunt_errors():
             games = [figures_of(report) for report in read_games(messages(self.path))]
         rows = [
@@ -196,7 +207,7 @@ def _store(definition: str, name: str, topic: str) -> Typestore:
 
 
 def _plain(value: object) -> object:
-    """Return a message as mappings, lists, arrays, numbers and texts."""
+    """Convert a message into mappings, lists, arrays, numbers and texts."""
     if is_dataclass(value) and not isinstance(value, type):
         names = [field.name for field in fields(value) if not field.name.startswith("__")]
         return {name: _plain(cast(object, getattr(value, name))) for name in names}

@@ -69,18 +69,18 @@ AN_HOUR = 3600.0
 
 @dataclass(frozen=True, slots=True)
 class HuntEvent:
-    """Something that happened in a session.
+    """Event of a session.
 
     Attributes:
         seconds: simulated time of the session.
-        kind: kind of an event of the game: "started", "hidden", "departed", "arrived", "failed", "sensed", "pictured",
-            "identified", "left", "ended" and other kinds in recordings. Also "said" for a sentence in a dialogue,
-            "refused" for a refused request, and "goal" for the end of a robot's goal.
-        robot: number of the robot, from 1; None if the event concerns no robot.
-        room: number of the room, from 1; None if the event concerns no room.
-        text: the sentence said, or the reason of a refusal. For a goal: "reached", "cancelled", or the reason of the
-            failure. Otherwise empty.
-        data: other fields of the game's event, as in a recording.
+        kind: kind of the event. Events of the game are "started", "hidden", "departed", "arrived", "failed", "sensed",
+            "pictured", "identified", "left", "ended" and further kinds, as in recordings. Other events are "said" (a
+            sentence in a dialogue), "refused" (a refused request), and "goal" (the end of a robot's goal).
+        robot: number of the robot, from 1; None if the event is not about a robot.
+        room: number of the room, from 1; None if the event is not about a room.
+        text: for "said", the sentence; for "refused", the reason; for "goal", "reached", "cancelled", or the reason for
+            the failure; otherwise empty.
+        data: other fields of the event, as in a recording.
     """
 
     seconds: float
@@ -92,18 +92,19 @@ class HuntEvent:
 
 
 class HuntSession:
-    """Hunt that the caller steps, without windows, clocks or sockets. The same study and inputs give the same hunt.
+    """Hunt that the caller advances step by step, without windows, clocks or sockets.
 
-    Requests of the caller take effect in the next tick. A recording contains them, and `thbridge replay` replays it.
+    The same study and the same inputs always give the same hunt. Requests of the caller take effect in the next tick. A
+    recording contains these requests, and `thbridge replay` can replay it.
     Close the session with `close`, or use it in a `with` statement.
 
     Args:
         study: the study.
         participant: name of a simulated participant, built-in or installed. If None, the caller plays.
-        record: path of a recording, `NAME.bag`; an existing one is renamed first. If None, nothing is recorded.
+        record: path of a recording, `NAME.bag`; an existing file is renamed first. If None, nothing is recorded.
 
     Raises:
-        HuntError: the recording cannot be written there.
+        HuntError: the recording cannot be written to this path.
 
     Attributes:
         study: the study.
@@ -180,18 +181,18 @@ class HuntSession:
         return self.step(max(round(seconds * TICKS_PER_SECOND), 1))
 
     def run_until(self, condition: "str | Callable[[HuntSession], bool]", at_most: float = AN_HOUR) -> bool:
-        """Run for at least one tick, until something happens.
+        """Run for at least one tick, until a condition is true.
 
         Args:
-            condition: "ready" (a robot waits for a decision), the kind of an event, such as "arrived", or a function of
-                the session.
-            at_most: limit in simulated seconds.
+            condition: "ready" (a robot waits for a decision), the kind of an event, such as "arrived", or a function
+                that has the session as argument.
+            at_most: largest duration in simulated seconds.
 
         Returns:
-            True if it happened, False if the game ended or the time ran out first.
+            True if the condition became true, False if the game or the time ended first.
 
         Raises:
-            HuntError: the same as `step`.
+            HuntError: for the same reasons as `step`.
         """
         last = self._session.tick + max(round(at_most * TICKS_PER_SECOND), 1)
         while True:
@@ -215,7 +216,7 @@ class HuntSession:
             at_most: limit in simulated seconds.
 
         Raises:
-            HuntError: the same as `step`.
+            HuntError: for the same reasons as `step`.
         """
         last = self._session.tick + max(round(at_most * TICKS_PER_SECOND), 1)
         while not self._finished and self._session.tick < last:
@@ -224,7 +225,7 @@ class HuntSession:
 
     def _step(self) -> None:
         if self._closed:
-            raise HuntError("the session is closed. Start another one.")
+            raise HuntError("the session is closed. Start a new session.")
         with as_hunt_errors():
             record = self._session.step()
         snapshot = record.snapshot
@@ -232,7 +233,7 @@ class HuntSession:
         self._last = snapshot
         self._finished = self._ending.reached(self._session)
         for robot, output in enumerate(snapshot.robots):
-            # Extrapolated output has neither scan nor result; reading them would compute them.
+            # Extrapolated output has no scan and no result. They would be computed when read.
             if not isinstance(output, PropagatedOutput):
                 if (scan := output.observations.scan) is not None:
                     self._scans[robot] = scan.ranges
@@ -261,7 +262,7 @@ class HuntSession:
 
     @property
     def ready(self) -> tuple[int, ...]:
-        """Numbers of the robots that could drive to a room but stand still."""
+        """Numbers of the robots that are at rest and could drive to a room."""
         game = self._session.game
         if game is None or game.treasures is None or game.ended is not None:
             return ()
@@ -273,9 +274,9 @@ class HuntSession:
 
     @property
     def snapshot(self) -> HuntSnapshot:
-        """State after the last tick; before the first tick, `HuntError` is raised."""
+        """State after the last tick. Raises HuntError: no tick has been run yet."""
         if self._last is None:
-            raise HuntError("nothing has happened yet. Step the session first.")
+            raise HuntError("the session has no state before its first tick. Call `step` first.")
         return snapshot_of(self._last, self._session.game, tuple(self._scans))
 
     @property
@@ -283,7 +284,7 @@ class HuntSession:
         """The part of the state that the participant may know; None in the first ticks, before the game sends it."""
         return None if self._tabui.view is None else view_of(self._tabui.view)
 
-    # Requests to the game; its rules apply, without dialogues
+    # Requests to the game: the rules apply, but no dialogue is needed
 
     def send(self, robot: int, room: int) -> None:
         """Send a robot to a room as a ground station does: the caller takes command of the robot, without a dialogue.
@@ -298,19 +299,19 @@ class HuntSession:
         self._session.ask(SENDER, StationStop(self._index(robot)))
 
     def take_picture(self, robot: int) -> None:
-        """Take a picture of the treasure where a robot stands."""
+        """Take a picture of the treasure in the room where a robot is."""
         self._commanded(robot, StationTakePicture)
 
     def name_treasure(self, robot: int, name: str) -> None:
-        """Name the treasure where a robot stands."""
+        """Name the treasure in the room where a robot is."""
         self._commanded(robot, lambda index: StationIdentify(index, name))
 
     def leave_treasure(self, robot: int) -> None:
-        """Leave the treasure where a robot stands undecided."""
+        """Leave the treasure in the room where a robot is undecided."""
         self._commanded(robot, StationLeave)
 
     def hand_back(self, robot: int) -> None:
-        """Give command of a robot back to the participant."""
+        """Give the command of a robot back to the participant."""
         self._session.ask(SENDER, ReleaseCommand(self._index(robot)))
 
     def _commanded(self, robot: int, request: Callable[[int], CommandRequest]) -> None:
@@ -322,10 +323,10 @@ class HuntSession:
     # Requests to robots
 
     def set_goal(self, robot: int, x: float, y: float, theta: float = 0.0) -> None:
-        """Set a goal of move_base outside the game (meters, radians, map frame). A "goal" event reports its end.
+        """Set a goal of move_base outside the game (meters, radians, map frame). Its end is an event "goal".
 
         Raises:
-            HuntError: there is no such robot, or the request is refused. The methods below raise it in the same cases.
+            HuntError: the robot does not exist, or the request is refused. The same applies to the methods below.
         """
         goal = SimpleGoal(self._index(robot), _pose(x, y, theta), next(self._goals), owner=GoalOwner.RESEARCHER)
         self._ask(goal)
@@ -335,13 +336,13 @@ class HuntSession:
         self._ask(CancelGoal(self._index(robot)))
 
     def drive(self, robot: int, linear: float, angular: float) -> None:
-        """Drive a robot (m/s, rad/s) for half a second, or until the next such command (ROS: cmd_vel)."""
+        """Drive a robot (m/s, rad/s) for half a second, or until the next `drive` (ROS: cmd_vel)."""
         self._ask(VelocityCommand(self._index(robot), Twist(float(linear), float(angular))))
 
     def set_pose(
         self, robot: int, x: float, y: float, theta: float, covariance: Sequence[Sequence[float]] | None = None
     ) -> None:
-        """Send a robot its pose (ROS: initialpose); `covariance` is (3, 3), by default that of rviz."""
+        """Send a pose to a robot's localizer (ROS: initialpose); `covariance` is (3, 3), by default as in rviz."""
         rows = np.diag([0.25, 0.25, 0.06853891909122467]) if covariance is None else np.array(covariance, np.float64)
         self._ask(InitialPose(self._index(robot), _pose(x, y, theta), rows))
 
@@ -354,15 +355,18 @@ class HuntSession:
         self._ask(KidnapRobot(self._index(robot), _pose(x, y, theta)))
 
     def kill(self, robot: int) -> None:
-        """Kill a robot: it stops, sends nothing and does nothing."""
+        """Stop a robot's software: the robot stands still and sends nothing."""
         self._ask(KillRobot(self._index(robot)))
 
     def revive(self, robot: int) -> None:
-        """Bring a dead robot back to life."""
+        """Restart the software of a dead robot."""
         self._ask(ReviveRobot(self._index(robot)))
 
     def put_thing(self, name: str, shape: str, x: float, y: float, yaw: float = 0.0) -> None:
-        """Place a "crate", "door", "fire" or "person" once its place is free; replaces a thing of the same name."""
+        """Place a "crate", "door", "fire" or "person" as soon as the place is free.
+
+        A thing of the same name is replaced.
+        """
         if shape not in set(Shape) - {Shape.POLYGON}:
             raise HuntError(f"shape: unknown shape {shape}. Write crate, door, fire or person.", key="shape")
         self._ask(PutThing(ThingEntry(name, Shape(shape), (float(x), float(y), float(yaw))).thing()))
@@ -372,13 +376,16 @@ class HuntSession:
         self._ask(RemoveThing(name))
 
     def set_parameters(self, robot: int, values: Mapping[str, ParameterValue]) -> None:
-        """Change several parameters of a running robot: `{"amcl.kld_err": 0.05}`. Names in `world.` set the truth."""
+        """Change parameters of a running robot, such as `{"amcl.kld_err": 0.05}`.
+
+        Parameters in `world.` change the simulated world instead of the robot's software.
+        """
         given = ((key, value.item() if isinstance(value, np.generic) else value) for key, value in values.items())
         self._ask(SetParameters(self._index(robot), tuple(given)))
 
     def _ask(self, request: WatchRequest) -> None:
         if not all(map(math.isfinite, _numbers(request))):
-            raise HuntError(f"{_numbers(request)}: not all of these are finite. Give finite numbers.")
+            raise HuntError(f"{_numbers(request)}: all numbers must be finite. Replace NaN and infinity.")
         reason = objection(request, self._team)
         if reason is not None:
             raise HuntError(f"{reason}. Nothing was changed.")
@@ -460,7 +467,11 @@ def inside(session: HuntSession) -> Session:
 
 
 def with_strategy(setting: StudySetting, strategy: str) -> StudySetting:
-    """Return a setting whose simulated participant uses a strategy. Raises HuntError: the strategy is unknown."""
+    """Return a setting whose simulated participant uses a strategy.
+
+    Raises:
+        HuntError: there is no strategy of this name.
+    """
     if strategy not in set(BotStrategy) and strategy not in PARTICIPANTS.names():
         problem = f"participant: no strategy is called {strategy!r}"
         known = ", ".join((*BotStrategy, *PARTICIPANTS.names()))

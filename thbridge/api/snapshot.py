@@ -1,4 +1,4 @@
-"""Snapshots of a session as arrays: truth, measurements and beliefs of robots, the game."""
+"""Snapshots of a session as arrays: true state, measurements and beliefs of robots, and the game."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,7 +20,7 @@ Ranges: TypeAlias = NDArray[np.float32]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HuntSnapshot:
-    """State of a session after a tick, as arrays. Robots have one row each, robot 1 first; so do rooms.
+    """State of a session after a tick, as arrays with one row per robot or room, in the order of the numbers.
 
     Poses are x, y (meters) and theta (radians) in the map frame. Neither robots nor the participant know the values
     that begin with `true_`. Arrays are computed on first access; do not modify them.
@@ -34,7 +34,7 @@ class HuntSnapshot:
         commands: (n, 2) velocities commanded to the motors (m/s, rad/s).
         game: number of the game; 0 before the first game.
         score: points.
-        over: reason of the game's end: "all-visited", "no-move-left", "given-up"; None while it goes on.
+        over: reason why the game ended: "all-visited", "no-move-left" or "given-up"; None before the end.
     """
 
     tick: int
@@ -52,7 +52,7 @@ class HuntSnapshot:
 
     @cached_property
     def true_treasures(self) -> tuple[str, ...]:
-        """Names of the hidden treasures, room by room; empty before they are hidden."""
+        """Names of the hidden treasures, one per room; empty before the treasures are hidden."""
         treasures = None if self._game is None else self._game.treasures
         return () if treasures is None else tuple(kind.name for kind in treasures)
 
@@ -86,7 +86,7 @@ class HuntSnapshot:
 
     @cached_property
     def odometry(self) -> Floats:
-        """(n, 3) poses by wheel odometry alone, each in the robot's own `odom` frame."""
+        """(n, 3) poses according to wheel odometry alone, each in the robot's own `odom` frame."""
         return _poses([output.observations.odometry.base_in_odom for output in self._team.robots])
 
     @cached_property
@@ -97,14 +97,14 @@ class HuntSnapshot:
 
     @cached_property
     def scans(self) -> Ranges:
-        """(n, beams) each robot's last ranges, meters; infinite beyond the largest range, NaN for lost beams."""
+        """(n, beams) ranges of each robot's last scan, meters; infinite beyond the largest range, NaN if lost."""
         return np.stack(self._scans)
 
     # Actions of robots
 
     @cached_property
     def goals(self) -> Floats:
-        """(n, 3) goal poses; NaN for a robot without a goal."""
+        """(n, 3) goal poses; NaN if a robot has no goal."""
         goals = [output.navigation.goal for output in self._team.robots]
         return _poses([_NOWHERE if goal is None else goal.base_in_map for goal in goals])
 
@@ -116,7 +116,7 @@ class HuntSnapshot:
 
     @property
     def plans(self) -> tuple[Floats, ...]:
-        """(m, 3) poses of the rest of each robot's plan; m is 0 without a plan."""
+        """(m, 3) poses of the rest of each robot's plan; m is 0 if there is no plan."""
         return tuple(output.navigation.plan for output in self._team.robots)
 
     @cached_property
@@ -128,20 +128,20 @@ class HuntSnapshot:
 
     @cached_property
     def energy(self) -> Floats:
-        """(n,) energy left; before the first game, the charge of the batteries."""
+        """(n,) remaining energy; before the first game, the charge of the batteries."""
         if self._game is None:
             return np.array([output.observations.battery.charge for output in self._team.robots])
         return np.array([robot.energy for robot in self._game.robots])
 
     @cached_property
     def places(self) -> Integers:
-        """(n,) number of the room where each robot stands, or from which it departed; 0 is the corridor."""
+        """(n,) number of the room where each robot is at rest, or from which it departed; 0 is the corridor."""
         robots = () if self._game is None else self._game.robots
         return np.array([robot.at.people for robot in robots], dtype=np.int64)
 
     @cached_property
     def bound_for(self) -> Integers:
-        """(n,) number of the room to which each robot is driving; 0 if none."""
+        """(n,) number of the room to which each robot is driving; 0 if the robot is at rest."""
         robots = () if self._game is None else self._game.robots
         return np.array([0 if each.bound_for is None else each.bound_for.people for each in robots], dtype=np.int64)
 
@@ -158,7 +158,7 @@ class HuntSnapshot:
 
     @cached_property
     def named(self) -> tuple[str | None, ...]:
-        """Name given to the treasure of each room; None if it has no name yet."""
+        """Name given to the treasure in each room; None if no name was given yet."""
         return tuple(room.name for room in (() if self._game is None else self._game.rooms))
 
     def __repr__(self) -> str:
@@ -186,7 +186,7 @@ def snapshot_of(team: TeamSnapshot, game: GameState | None, scans: tuple[Ranges,
 
 
 def team_of(snapshot: HuntSnapshot) -> tuple[TeamSnapshot, tuple[Ranges, ...]]:
-    """Return the team and the last scan of each robot, from which a snapshot was made."""
+    """Return the team's state and the last scan of each robot that a snapshot contains."""
     return snapshot._team, snapshot._scans
 
 

@@ -1,4 +1,4 @@
-"""Studies: read from a file or from keys, and checked together with the files that they name."""
+"""Studies, which are read from a file or from keys, and checked with all files that they name."""
 
 import warnings
 from collections.abc import Mapping, Sequence
@@ -17,17 +17,17 @@ from thbridge.study.study_file import Study
 from thbridge.study.text import as_yaml, resolved
 
 StudyValue: TypeAlias = bool | int | float | str | Path | Sequence["StudyValue"] | Mapping[str, "StudyValue"] | None
-"""Value of a key of a study, as in YAML. A mapping changes keys of a section and leaves its other keys as they are."""
+"""Value of a key of a study, as in YAML. A mapping changes the given keys of a section, and no other keys."""
 
 Simulated: TypeAlias = str
-"""Name of a simulated participant (`suggestion`, `nearest`, `random`, or one that is installed)."""
+"""Name of a simulated participant: `suggestion`, `nearest`, `random`, or the name of an installed participant."""
 
 CHANGES = Path("changes")
-"""Source shown in errors about keys that are given as arguments."""
+"""Name that errors show in place of a file if a key was given as an argument."""
 
 
 class HuntStudy:
-    """A study with all files that it names, read and checked; immutable.
+    """Immutable study with all files that it names, read and checked.
 
     Args:
         file: a study file, or the name of a built-in study: `standard` (the study of `thbridge play`) or
@@ -36,8 +36,8 @@ class HuntStudy:
         keys: other values of top-level keys, such as `robots=4`, `map="office"`, `game={"energy": 50}`.
 
     Raises:
-        HuntError: the file cannot be read, a key is unknown, a value is out of bounds, or a file that the study
-            names is missing or does not fit.
+        HuntError: the file cannot be read, a key is unknown, a value is out of range, or a file that the study names is
+            missing or has errors.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class HuntStudy:
 
     def _read(self, study: Study, beside: Path, written: Loaded[Study] | None) -> None:
         if study.robots_from is RobotsFrom.ROS:
-            problem = "this study is for real robots, but sessions here simulate robots"
+            problem = "this study is for real robots, but a session of the API simulates its robots"
             raise HuntError(f"robots_from: {problem}. Write sim, or run `thbridge simr`.", key="robots_from")
         self._beside = beside
         self._setting = read_setting(study, beside, written=written)
@@ -70,7 +70,7 @@ class HuntStudy:
             warnings.warn(str(doubt), HuntWarning, stacklevel=3)
 
     def changed(self, changes: Mapping[str, StudyValue] | None = None, **keys: StudyValue) -> "HuntStudy":
-        """Return a study with other values for some keys; see `HuntStudy`. Changing only the seed takes no time.
+        """Return a study with other values for some keys; see `HuntStudy`. A change of only the seed is fast.
 
         Raises:
             HuntError: for the same reasons as `HuntStudy`.
@@ -83,7 +83,7 @@ class HuntStudy:
         return HuntStudy._of(study, self._beside)
 
     def _with_study(self, study: Study) -> "HuntStudy":
-        """Return this setting with another study that names the same files."""
+        """Return this study with other values that name the same files."""
         made = HuntStudy.__new__(HuntStudy)
         made._beside = self._beside
         made._setting = replace(self._setting, study=study)
@@ -123,7 +123,7 @@ class HuntStudy:
 
 
 def setting_of(study: HuntStudy) -> StudySetting:
-    """Return the setting from which sessions are built."""
+    """Return the study and its files, in the form from which sessions are built."""
     return study._setting
 
 

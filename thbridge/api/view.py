@@ -1,4 +1,4 @@
-"""The participant's view: everything that a person may know about a game, and nothing else."""
+"""View of the participant: the part of a game that a person may know."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,9 +18,9 @@ class HuntDialogue:
     Attributes:
         robot: number of the robot, from 1.
         matter: "select-room", "take-picture" or "take-treasure".
-        room: number of the room that it is about.
+        room: number of the room that the dialogue is about.
         said: all sentences so far, oldest first.
-        choices: answers that the participant may give; the first agrees most. Empty while it is the robot's turn.
+        choices: answers that the participant may give. The first answer agrees most. Empty during the robot's turn.
     """
 
     robot: int
@@ -32,12 +32,12 @@ class HuntDialogue:
 
 @dataclass(frozen=True, slots=True)
 class HuntAgreement:
-    """An agreement between a robot and the participant that the participant may act on.
+    """Agreement between a robot and the participant, which the participant may carry out.
 
     Attributes:
         robot: number of the robot, from 1.
         matter: "select-room", "take-picture" or "take-treasure", as in the dialogue.
-        room: number of the room that it is about.
+        room: number of the room that the agreement is about.
     """
 
     robot: int
@@ -47,15 +47,15 @@ class HuntAgreement:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HuntView:
-    """Part of the game that a person may know, as arrays. Robots have one row each, robot 1 first; so do rooms.
+    """Part of the game that a person may know, as arrays with one row per robot or room, in the order of the numbers.
 
     Attributes:
-        ready: True once robots accept requests.
-        consent: text that the participant has to agree to first. If None, no consent is needed.
+        ready: True as soon as robots accept requests.
+        consent: text to which the participant must agree first. If None, no consent is needed.
         score: points.
-        over: reason of the game's end; None until then.
+        over: reason why the game ended; None before the end.
         names: possible names of treasures; empty until a treasure is found.
-        refusal: reason of the last refused request of the participant; None if there was none.
+        refusal: reason for the last refusal of a request by the participant; None if no request was refused.
     """
 
     ready: bool
@@ -68,22 +68,22 @@ class HuntView:
 
     @cached_property
     def energy(self) -> Floats:
-        """(n,) energy left."""
+        """(n,) remaining energy of each robot."""
         return np.array([robot.energy for robot in self._view.robots])
 
     @cached_property
     def places(self) -> Integers:
-        """(n,) number of the room where each robot stands, or from which it departed; 0 is the corridor."""
+        """(n,) number of the room where each robot is at rest, or from which it departed; 0 is the corridor."""
         return np.array([robot.place for robot in self._view.robots], dtype=np.int64)
 
     @cached_property
     def bound_for(self) -> Integers:
-        """(n,) number of the room to which each robot is driving; 0 if none."""
+        """(n,) number of the room to which each robot is driving; 0 if the robot is at rest."""
         return np.array([robot.moving_to or 0 for robot in self._view.robots], dtype=np.int64)
 
     @property
     def conditions(self) -> tuple[str, ...]:
-        """Condition of each robot ("well", "lost", "silent", or "blocked" without energy)."""
+        """Condition of each robot: "well", "lost", "silent", or "blocked" (no energy)."""
         return tuple("blocked" if robot.blocked else robot.condition.value for robot in self._view.robots)
 
     @cached_property
@@ -99,22 +99,22 @@ class HuntView:
 
     @cached_property
     def undecided(self) -> Booleans:
-        """(rooms,) True for each visited room whose treasure is neither named nor left."""
+        """(rooms,) True for each visited room whose treasure is not named and not left."""
         return np.array([room.undecided for room in self._view.rooms], dtype=np.bool_)
 
     @property
     def known(self) -> tuple[Mapping[str, str], ...]:
-        """Known properties of the treasure of each room; empty if none are known."""
+        """Known properties of the treasure in each room; empty if no property is known."""
         return tuple(room.known for room in self._view.rooms)
 
     @property
     def pictures(self) -> tuple[str | None, ...]:
-        """File name of the picture taken in each room; None without a picture."""
+        """File name of the picture taken in each room; None if there is no picture."""
         return tuple(room.picture for room in self._view.rooms)
 
     @property
     def named(self) -> tuple[str | None, ...]:
-        """Name given to the treasure of each room; None if it has no name yet."""
+        """Name given to the treasure in each room; None if no name was given yet."""
         return tuple(None if room.verdict is None else room.verdict.name for room in self._view.rooms)
 
     @property
@@ -124,7 +124,7 @@ class HuntView:
 
     @property
     def dialogues(self) -> tuple[HuntDialogue, ...]:
-        """Open dialogues."""
+        """Open dialogues of robots with the participant."""
         return tuple(
             HuntDialogue(number_of(each.robot), each.matter, each.room, each.said, each.choices)
             for each in self._view.dialogues
@@ -132,7 +132,7 @@ class HuntView:
 
     @property
     def agreements(self) -> tuple[HuntAgreement, ...]:
-        """Agreements that the participant has not acted on yet."""
+        """Agreements that the participant has not carried out yet."""
         return tuple(HuntAgreement(number_of(each.robot), each.matter, each.room) for each in self._view.consents)
 
     def __repr__(self) -> str:
@@ -140,6 +140,6 @@ class HuntView:
 
 
 def view_of(view: View) -> HuntView:
-    """Return the public form of a view that was sent to the participant."""
+    """Convert a view that was sent to the participant into its public form."""
     refusal = None if view.refusal is None else view.refusal.sentence
     return HuntView(view.ready, view.consent, view.score, view.over, view.names, refusal, view)

@@ -1,1 +1,1 @@
-"""The loop of ticks in wall time: pace, end of the program, heartbeats during pauses."""
+"""Loop of ticks in wall time: pace, end of the program, and heartbeats during pauses."""

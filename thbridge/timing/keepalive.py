@@ -1,7 +1,7 @@
-"""Heartbeats to ground stations while simulated time is paused or slow, so that robots do not count as lost.
+"""Heartbeats to ground stations while simulated time is paused or slow, so that stations do not lose the robots.
 
-Heartbeats are due in simulated time, but stations wait only some seconds of wall time for the next one. The task runs
-on the session's event loop and ends with the session, so heartbeats never continue after an error of the session.
+Heartbeats are due in simulated time, but stations wait only some seconds of wall time for the next heartbeat. The task
+runs on the session's event loop. If the session fails, the task also ends, so heartbeats do not continue.
 """
 
 import asyncio
@@ -13,10 +13,10 @@ from sim.common.observations import TICKS_PER_SECOND
 from thbridge.timing.pacer import Pacer
 
 _LOOK = 1.0
-"""Seconds between two checks."""
+"""Wall time between two checks, seconds."""
 
 _ENOUGH = 4 * TICKS_PER_SECOND // 5
-"""Ticks per second of wall time at which heartbeats in simulated time are frequent enough."""
+"""Smallest number of ticks per second of wall time at which heartbeats in simulated time are frequent enough."""
 
 
 class SessionWithVehicles(Protocol):
@@ -31,10 +31,10 @@ class SessionWithVehicles(Protocol):
 
 
 class KeepAlive:
-    """Check of one session, called once per second.
+    """Regular check of one session, once per second.
 
-    A session without a rate sends no extra heartbeats unless it is paused, because its messages must not depend on the
-    machine's speed.
+    A session without a rate sends extra heartbeats only while it is paused. At other times, its messages must not
+    depend on the speed of the machine.
     """
 
     def __init__(self, session: SessionWithVehicles, pacer: Pacer) -> None:

@@ -1,4 +1,4 @@
-"""The loop of a program: ticks in wall time until the last tick, or until Ctrl-C or SIGTERM."""
+"""Loop of a program, which runs ticks in wall time until the last tick, Ctrl-C or SIGTERM."""
 
 import asyncio
 import gc
@@ -12,10 +12,12 @@ from dataclasses import dataclass
 from thbridge.timing.pacer import Pacer
 
 _TURN = 0.0005
-"""Longest time in seconds for which another thread may hold the interpreter, for example to pack a recording. Python's
-default of 5 ms is a quarter of a tick."""
+"""Longest time in seconds for which another thread may run without a switch, for example to compress a recording.
+
+Python's default of 5 ms is a quarter of a tick.
+"""
 _turns_before: list[float] = []
-"""For each running loop, the switch interval before it began; the first entry is the original interval."""
+"""Switch intervals before the running loops began, one per loop; the first entry is the original interval."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,13 +38,13 @@ def _pass() -> None:
 
 
 async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> LoopResult:
-    """Run ticks until one returns False, or until one tick after Ctrl-C or SIGTERM.
+    """Run ticks until `tick` returns False. After Ctrl-C or SIGTERM, run one more tick.
 
-    That last tick reads and records all pending inputs, which may be many after a pause.
+    This last tick reads and records all pending inputs. After a pause, there can be many pending inputs.
 
     Args:
-        tick: runs one tick; returns True if another tick follows.
-        pacer: waits until the next tick is due.
+        tick: function that runs one tick, and returns True if another tick follows.
+        pacer: pacer that waits until the next tick is due.
     """
     started = time.monotonic()
     with stopping(pacer.resume) as stopped, _standing_spared(), _short_turns():
@@ -56,7 +58,7 @@ async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> LoopResult:
 
 @contextmanager
 def stopping(on_stop: Callable[[], None] = _pass) -> Iterator[asyncio.Event]:
-    """Yield an event that Ctrl-C and SIGTERM set instead of ending the program at once; they also call `on_stop`."""
+    """Yield an event. Ctrl-C and SIGTERM set this event and call `on_stop`, but do not end the program at once."""
     loop = asyncio.get_running_loop()
     stopped = asyncio.Event()
 
@@ -79,7 +81,7 @@ def stopping(on_stop: Callable[[], None] = _pass) -> Iterator[asyncio.Event]:
 def _standing_spared() -> Iterator[None]:
     """Exclude the present objects (modules, compiled code) from garbage collection.
 
-    They are never freed anyway, and a full collection of them takes several ticks in the middle of a session.
+    These objects are never freed. A full collection would take the time of several ticks during a session.
     """
     gc.freeze()
     try:
@@ -90,17 +92,17 @@ def _standing_spared() -> Iterator[None]:
 
 @contextmanager
 def _short_turns() -> Iterator[None]:
-    """Shorten the time for which other threads may hold the interpreter.
+    """Shorten the time for which other threads may run without a switch.
 
-    If loops overlap in one process, the last one to end restores the interval from before the first.
+    If several loops of a process overlap, the loop that ends last restores the interval from before the first loop.
     """
     _turns_before.append(sys.getswitchinterval())
     sys.setswitchinterval(min(_turns_before[0], _TURN))
     try:
         yield
     finally:
-        # Later loops found the short interval, so the largest entry is the original interval, for any order in which
-        # loops end.
+        # Later loops began with the short interval. So the largest entry is the original interval, in whatever order
+        # the loops end.
         before = _turns_before.pop()
         if not _turns_before:
             sys.setswitchinterval(before)

@@ -11,10 +11,10 @@ from sim.common.observations import TICK
 from thbridge.timing.pacer import Pacer
 
 LATE = 0.1
-"""Seconds after which a tick is late: people notice a delay of a tenth of a second."""
+"""Delay in seconds above which a tick counts as late. People notice a delay of 0.1 s."""
 
 TOLERANCE = 0.05
-"""Largest difference of times in a `GamePace` from the measured times, in seconds."""
+"""Largest difference in seconds between times in a `GamePace` and measured times."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,11 +22,12 @@ class PaceState:
     """Real time of a game up to a tick, in seconds.
 
     Attributes:
-        wall: real time since the first tick. If another program resumed the game, the time in between is left out.
+        wall: real time since the first tick. If another program resumed the game, the time between the programs does
+            not count.
         step: part of `wall` since the previous tick.
-        lag: lag of simulated time behind real time. A pause is no lag.
+        lag: lag of simulated time behind real time. A pause does not count as lag.
         most_lag: largest lag so far.
-        late: real time in which ticks came more than `LATE` after they were due.
+        late: real time in which ticks were late by more than `LATE`.
     """
 
     wall: float = 0.0
@@ -36,7 +37,7 @@ class PaceState:
     late: float = 0.0
 
     def rounded(self) -> list[float]:
-        """Return the attributes in order, in seconds with three decimals."""
+        """Return the attributes in their order, in seconds with three decimals."""
         return [round(each, 3) for each in astuple(self)]
 
 
@@ -45,10 +46,10 @@ class GamePace:
     """Pace of a game, in seconds.
 
     Attributes:
-        wall: real time from its first to its last tick.
+        wall: real time from the first tick to the last tick.
         most_lag: largest lag of simulated time behind real time.
-        late: real time in which ticks came more than `LATE` after they were due.
-        course: pairs of simulated and real time; between two pairs, interpolate linearly.
+        late: real time in which ticks were late by more than `LATE`.
+        course: pairs of simulated and real time. Times between two pairs follow by linear interpolation.
     """
 
     wall: float
@@ -58,7 +59,7 @@ class GamePace:
 
 
 class PaceMeter:
-    """Meter of the pace of one game, tick by tick.
+    """Measurement of the pace of one game, tick by tick.
 
     Args:
         clock: monotonic clock, seconds.
@@ -76,21 +77,24 @@ class PaceMeter:
         self._points: dict[int, float] = {}
 
     def go_on(self, measured: Iterable[tuple[int, PaceState]]) -> None:
-        """Continue the measurement of an earlier program in the same game, given its ticks and their numbers."""
+        """Continue the measurement of an earlier program in the same game.
+
+        `measured` has the earlier program's tick numbers and the states after these ticks.
+        """
         for self._tick, self.state in measured:
             self.keep()
-        # The pacer of this program starts without a lag, so the earlier lag is never made up for.
+        # The pacer of this program starts without a lag, so the lag of the earlier program remains.
         self._carried = self.state.lag
 
     def measure(self, tick: int, pacer: Pacer) -> PaceState:
-        """Measure the present tick; return the state after it."""
+        """Measure the present tick, and return the state after this tick."""
         now, before = self._clock(), self.state
-        # The first tick of a program that resumes a game has no previous tick to measure from, so it counts one period.
+        # When a program resumes a game, its first tick has no previous tick, so one period is used.
         first = pacer.period if self._points else 0.0
         step = first if self._now is None else now - self._now
         self._now, self._tick = now, tick
         lag = self._carried + pacer.lag
-        # The pacer drops delays that it does not make up for, so these show only as growth of the lag.
+        # `pacer.delay` does not include delays that became permanent lag, so the growth of the lag is also checked.
         late = before.late + (step if max(pacer.delay, lag - before.lag) > LATE else 0.0)
         self.state = PaceState(before.wall + step, step, lag, max(before.most_lag, lag), late)
         return self.state
@@ -110,7 +114,7 @@ class PaceMeter:
 
 
 def real_time(course: Sequence[Sequence[float]], simulated: float) -> float | None:
-    """Return the real time of a simulated time in a `GamePace.course`; None outside of it. All times are in seconds."""
+    """Return the real time at a simulated time, from a `GamePace.course`; None outside the course. Unit: seconds."""
     after = bisect_left(course, simulated, key=lambda point: point[0])
     if after == len(course) or (after == 0 and course[0][0] != simulated):
         return None
@@ -121,7 +125,7 @@ def real_time(course: Sequence[Sequence[float]], simulated: float) -> float | No
 
 
 def _simplified(points: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-    """Return a subset of the points. Straight lines between them deviate from all other points by at most `TOLERANCE`.
+    """Return a subset of points whose connecting lines deviate from all other points by at most `TOLERANCE`.
 
     Source: Bristol, Swinging door trending: adaptive trend recording (1990).
     """

@@ -1,4 +1,4 @@
-"""The pace of a loop of ticks: rate in wall time, pause, single steps."""
+"""Pace of a loop of ticks: rate in wall time, pauses, and single steps."""
 
 import asyncio
 import logging
@@ -11,10 +11,10 @@ from sim.common.observations import TICK
 _log = logging.getLogger(__name__)
 
 _BREATH = 25
-"""Number of ticks after which the event loop gets a turn, if ticks run as fast as possible."""
+"""Number of ticks after which other tasks of the event loop run, if ticks run as fast as possible."""
 
 _LAG = 1.0
-"""Largest delay in seconds that is made up for by running faster; a larger delay stays as a lag of simulated time."""
+"""Largest delay in seconds that later, faster ticks compensate. A larger delay becomes a permanent lag."""
 
 _LOOK = 0.1
 """Seconds between two calls of `pause_abandoned` during a pause."""
@@ -26,10 +26,10 @@ class Pacer:
     The pace can be changed while the loop runs, on the thread of its event loop.
 
     Args:
-        rate: simulated seconds per second; 0 runs as fast as possible.
+        rate: simulated seconds per second; 0 means as fast as possible.
         clock: monotonic clock, seconds.
-        pause_abandoned: called ten times a second while paused; returns True to end the pause, because no client needs
-            it. If None, pauses last until `resume`.
+        pause_abandoned: function that returns True to end a pause, because no client needs the pause. It is called ten
+            times per second during a pause. If None, pauses last until `resume`.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class Pacer:
 
     @property
     def rate(self) -> float:
-        """Simulated seconds per second; 0 runs as fast as possible."""
+        """Simulated seconds per second; 0 means as fast as possible."""
         return self._rate
 
     @property
@@ -61,26 +61,26 @@ class Pacer:
 
     @property
     def lag(self) -> float:
-        """Delay of the ticks relative to the rate, in seconds, including delays that are not made up for."""
+        """Total delay of the ticks relative to the rate, including permanent lag, in seconds."""
         return self._given_up + self.delay
 
     @property
     def delay(self) -> float:
-        """Part of the lag that later ticks may make up for, in seconds."""
+        """Part of the lag that later, faster ticks can compensate, in seconds."""
         return 0.0 if self._due is None else max(self._clock() - self._due - self.period, 0.0)
 
     @property
     def period(self) -> float:
-        """Seconds from one tick to the next at this rate; 0 without a rate."""
+        """Seconds from one tick to the next at this rate; 0 if there is no rate."""
         return TICK / self._rate if self._rate > 0.0 else 0.0
 
     def set_rate(self, rate: float) -> None:
-        """Change the rate; a pause continues. 0 runs as fast as possible."""
+        """Change the rate; 0 means as fast as possible. A pause continues."""
         self._rate = rate
         self._due = None
 
     def pause(self) -> None:
-        """Stop ticks, including the remaining ticks of an earlier `step`."""
+        """Pause: run no more ticks, not even the remaining ticks of an earlier `step`."""
         self._paused = True
         self._steps = 0
 
@@ -90,19 +90,19 @@ class Pacer:
         self._changed.set()
 
     def step(self, ticks: int) -> None:
-        """Run some more ticks at the rate, then pause."""
+        """Run a number of ticks at the rate, then pause."""
         self._paused = True
         self._steps += ticks
         self._changed.set()
 
     async def wait(self) -> None:
-        """Return when the next tick is due."""
+        """Wait until the next tick is due."""
         await self._keep_time()
         while self._paused:
             if self._steps:
                 self._steps -= 1
                 return
-            self._due = None  # The time of a pause does not count as delay.
+            self._due = None  # The duration of a pause does not count as delay.
             self._changed.clear()
             with suppress(TimeoutError):
                 await asyncio.wait_for(self._changed.wait(), None if self._let_go is None else _LOOK)
@@ -116,7 +116,7 @@ class Pacer:
                 await asyncio.sleep(0)
             return
         now = self._clock()
-        # Due times are added up, so that delays of single ticks are made up for and do not accumulate.
+        # Each due time follows from the previous due time, so that delays of single ticks do not accumulate.
         self._due = now if self._due is None else self._due + self.period
         if now - self._due > _LAG:
             if not self._lagging:

@@ -1,4 +1,4 @@
-"""Calls of plug-ins that may take long in wall time, or never return."""
+"""Calls of plug-ins that may take a long time, or never return."""
 
 import sys
 import threading
@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 @contextmanager
 def told_if_slow(seconds: float, tell: Callable[[], None]) -> Iterator[None]:
-    """Call `tell` in a separate thread if this block takes longer than `seconds`; the block continues."""
+    """Call `tell` in a separate thread if this block takes longer than `seconds`; the block is not interrupted."""
     timer = threading.Timer(seconds, tell)
     timer.daemon = True
     timer.start()
@@ -35,7 +35,7 @@ class Stopwatch:
         self.seconds = 0.0
 
     def measure(self, asked: Callable[[], T]) -> T:
-        """Call a function and return its result; its exceptions are raised."""
+        """Call a function and return its result. Exceptions of the function are raised."""
         began = time.perf_counter()
         try:
             return asked()
@@ -44,7 +44,7 @@ class Stopwatch:
 
 
 class ImpatientCaller(Generic[T]):
-    """Caller with a timeout. After a call that exceeded the timeout, no further call is started.
+    """Caller with a timeout. After a call has exceeded the timeout, further calls are refused.
 
     Args:
         seconds: timeout of a call, in wall time.
@@ -55,7 +55,11 @@ class ImpatientCaller(Generic[T]):
         self._late = ""
 
     def call(self, asked: Callable[[], T]) -> T:
-        """Call a function and return its result; its exceptions are raised. Raises TimeoutError after the timeout."""
+        """Call a function and return its result. Exceptions of the function are raised.
+
+        Raises:
+            TimeoutError: the call took longer than the timeout, or an earlier call did.
+        """
         found: list[T] = []
         raised: list[BaseException] = []
 
@@ -63,7 +67,7 @@ class ImpatientCaller(Generic[T]):
             try:
                 found.append(asked())
             except BaseException as error:
-                # Raised again in the waiting thread.
+                # The waiting thread raises the exception again.
                 raised.append(error)
 
         if not self._late:

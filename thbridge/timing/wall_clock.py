@@ -1,4 +1,4 @@
-"""The time of day, for records that show people when something happened."""
+"""Time of day, for records that people read."""
 
 from datetime import UTC, datetime
 

@@ -1,1 +1,1 @@
-"""Watch protocol, with which a researcher's window observes a session: as bytes in `wire`, over TCP in `sockets`."""
+"""Watch protocol, with which a researcher's window observes a session: bytes in `wire`, connections in `sockets`."""

@@ -1,7 +1,7 @@
-"""Watch protocol, with which a researcher's window observes a session: both of its sides, without sockets.
+"""Watch protocol, with which a researcher's window observes a session: both sides, without sockets.
 
-The session sends an endless rosbag of format 2.0: magic, bag header, then chunks, each with its index. The watcher
-sends JSON objects, one per line: first the key, if one is required, then requests.
+The session sends an endless rosbag of format 2.0: magic, bag header, then chunks, each with an index. The watcher sends
+JSON objects, one per line: first the key, if a key is required, then requests.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from thbridge.credentials import LOCAL, Credentials, Right
 from thbridge.line_splitter import LineSplitter, OverlongLine
 
 STATUS = "/watch/status"
-"""Topic of the watch server itself: std_msgs/String, the JSON of a `WatchStatus`."""
+"""Topic of the watch server's own messages: std_msgs/String with a `WatchStatus` as JSON."""
 
 MAGIC = b"#ROSBAG V2.0\n"
 
 MISTAKES = 20
-"""Number of refusals in a row after which a watcher is disconnected."""
+"""Number of successive refusals after which the server disconnects a watcher."""
 
 _LARGEST = 64 * 2**20
-"""Largest size of a record, in bytes; a costmap of 400 m by 400 m with cells of 5 cm fits."""
+"""Largest size of a record, in bytes. A costmap of 400 m by 400 m with cells of 5 cm is smaller."""
 
 _SHOWN = 80
-"""Largest number of characters of a refused line in its refusal."""
+"""Largest number of characters of a refused line that its refusal contains."""
 
 _U32 = struct.Struct("<I")
 _TIME = struct.Struct("<II")
@@ -39,10 +39,10 @@ class SessionMessage:
     """Message of a session.
 
     Attributes:
-        topic: its topic.
-        msgtype: for example "nav_msgs/Odometry".
-        stamp_ns: time of its publication, nanoseconds of ROS time.
-        data: its bytes, as serialized by ROS 1.
+        topic: topic of the message.
+        msgtype: type of the message, for example "nav_msgs/Odometry".
+        stamp_ns: time of publication, nanoseconds of ROS time.
+        data: content, as serialized by ROS 1.
     """
 
     topic: str
@@ -53,18 +53,18 @@ class SessionMessage:
 
 @dataclass(frozen=True, slots=True)
 class BrokenStream:
-    """Stream that does not come from a session; the rest of it cannot be read."""
+    """Event: the stream does not come from a session, so its rest cannot be read."""
 
     reason: str
 
 
 @dataclass(frozen=True, slots=True)
 class WatchRefusal:
-    """Request that was not granted.
+    """Refusal of a request.
 
     Attributes:
         request: beginning of the request's line.
-        reason: reason, for people.
+        reason: reason in words for people.
     """
 
     request: str
@@ -76,15 +76,15 @@ class WatchStatus:
     """State of the watch server for one watcher, sent once a second and after every change.
 
     Attributes:
-        paused: True if no tick comes until a request resumes or steps.
-        rate: requested simulated seconds per second; 0 for as fast as possible.
-        lag: seconds by which the session is behind that rate.
-        watchers: number of watchers, including this one.
+        paused: True if the session is paused until a request to resume or to step.
+        rate: requested simulated seconds per second; 0 means as fast as possible.
+        lag: seconds by which the session is behind this rate.
+        watchers: number of all watchers, including this watcher.
         dropped: number of messages that this watcher did not get because it reads too slowly.
-        refused: the latest refused request of this watcher; None until there is one.
+        refused: the latest refused request of this watcher; None if no request was refused.
         refusals: number of refused requests.
-        bag: path of the session's bag on its own machine; empty if it records none.
-        ended: True if the session has ended and its bag is complete; this is the last status.
+        bag: path of the session's bag on the session's machine; empty if the session records no bag.
+        ended: True if the session has ended and its bag is complete; then this is the last status.
     """
 
     paused: bool
@@ -104,7 +104,7 @@ class WatchStatus:
 
 
 def parse_status(message: SessionMessage) -> WatchStatus | None:
-    """Return the status in a message; None if the message contains no status."""
+    """Return the status in a message; None if the message is not a status."""
     if message.topic != STATUS:
         return None
     try:
@@ -126,7 +126,7 @@ class BagStreamReader:
         self._connections: dict[int, tuple[str, str]] = {}
 
     def feed(self, data: bytes) -> list[SessionMessage | BrokenStream]:
-        """Return the messages that `data` completes; after a `BrokenStream` no messages follow."""
+        """Return the messages that `data` completes; after a `BrokenStream`, return no more messages."""
         if self._broken:
             return []
         self._held += data
@@ -145,13 +145,13 @@ class BagStreamReader:
         if not self._begun:
             beginning = bytes(self._held[: len(MAGIC)])
             if not MAGIC.startswith(beginning):
-                raise ValueError("it does not begin as a bag of format 2.0")
+                raise ValueError("the data do not begin like a bag of format 2.0")
             if len(beginning) == len(MAGIC):
                 self._begun = True
                 del self._held[: len(MAGIC)]
 
     def _records(self) -> Iterator[tuple[bytes, bytes]]:
-        """Yield the complete records; they are removed from the buffer at the end."""
+        """Yield the complete records, and finally remove these records from the buffer."""
         at = 0
         try:
             while self._begun and (sizes := _sizes(self._held, at)) is not None:
@@ -168,12 +168,12 @@ class BagStreamReader:
         match fields[b"op"][0]:
             case 0x05:  # a chunk
                 if fields[b"compression"] != b"none":
-                    raise ValueError("its chunks are packed")
+                    raise ValueError("a chunk is compressed")
                 at = 0
                 while at < len(body):
                     sizes = _sizes(body, at)
                     if sizes is None:
-                        raise ValueError("a chunk is cut short")
+                        raise ValueError("a chunk is incomplete")
                     inner, size = sizes
                     start = at + 8 + inner
                     yield from self._record(body[at + 4 : at + 4 + inner], body[start : start + size])
@@ -189,11 +189,11 @@ class BagStreamReader:
             case 0x03 | 0x04:  # the bag's header, and an index
                 pass
             case kind:
-                raise ValueError(f"it has a record of kind {kind}")
+                raise ValueError(f"a record has the unknown kind {kind}")
 
 
 def _sizes(data: bytes | bytearray, at: int) -> tuple[int, int] | None:
-    """Return the lengths of header and body of the record at `at`; None while it is incomplete.
+    """Return the lengths of header and body of the record at `at`; None while the record is incomplete.
 
     Raises:
         ValueError: the record is too long.
@@ -202,12 +202,12 @@ def _sizes(data: bytes | bytearray, at: int) -> tuple[int, int] | None:
         return None
     (header,) = _U32.unpack_from(data, at)
     if header > _LARGEST:
-        raise ValueError("it has a record that is too long")
+        raise ValueError("the header of a record is too long")
     if len(data) < at + 8 + header:
         return None
     (body,) = _U32.unpack_from(data, at + 4 + header)
     if body > _LARGEST:
-        raise ValueError("it has a record that is too long")
+        raise ValueError("a record is too long")
     return (header, body) if len(data) >= at + 8 + header + body else None
 
 
@@ -218,7 +218,7 @@ def _fields(header: bytes) -> dict[bytes, bytes]:
         (size,) = _U32.unpack_from(header, at)
         name, equals, value = header[at + 4 : at + 4 + size].partition(b"=")
         if not equals or at + 4 + size > len(header):
-            raise ValueError("it has an invalid record")
+            raise ValueError("a record is invalid")
         fields[name] = value
         at += 4 + size
     return fields
@@ -237,8 +237,8 @@ class WatcherRequest:
     """Request of a watcher.
 
     Attributes:
-        line: the line as it was received.
-        value: the JSON object in it.
+        line: the received line.
+        value: the JSON object in the line.
     """
 
     line: str
@@ -252,14 +252,14 @@ class WatcherSession:
     """Decoder of one watcher's lines, which also checks its key.
 
     Args:
-        identify: returns the credentials of a key, or the reason why it is refused, as a clause. If None, no key is
-            needed.
+        identify: function that returns the credentials of a key, or a clause with the reason why the key is refused. If
+            None, no key is needed.
 
     Attributes:
-        credentials: credentials of the watcher; not valid before it is admitted.
-        admitted: True when it may receive messages and make requests.
-        rejected: True when it must be disconnected. Its key is wrong, its first line is not of this protocol (for
-            example a browser's), or too many requests in a row were refused.
+        credentials: credentials of the watcher; valid only after the watcher is admitted.
+        admitted: True if the watcher may receive messages and make requests.
+        rejected: True if the watcher must be disconnected, for one of three reasons: the key is wrong, the first line
+            belongs to another protocol (for example of a browser), or too many successive requests were refused.
     """
 
     def __init__(self, identify: Callable[[str], Credentials | str] | None = None) -> None:
@@ -274,7 +274,7 @@ class WatcherSession:
     def feed(self, data: bytes) -> Iterator[WatcherEvent]:
         """Yield the events of the lines that `data` completes.
 
-        After each request `granted` or `refused` must be called before the next event is taken.
+        After each request, call `granted` or `refused` before the next event.
         """
         for line in self._lines.feed(data):
             if self.rejected:
@@ -282,11 +282,11 @@ class WatcherSession:
             yield from self._read(line)
 
     def granted(self) -> None:
-        """Note that its latest request was granted."""
+        """Record that the watcher's latest request was granted."""
         self._mistakes = 0
 
     def refused(self) -> None:
-        """Note that its latest request was refused."""
+        """Record that the watcher's latest request was refused."""
         self._mistakes += 1
         self.rejected = self.rejected or self._mistakes >= MISTAKES
 
@@ -296,7 +296,7 @@ class WatcherSession:
             return
         value = _object(line)
         if value is None:
-            yield self._misunderstood(line, "it is not a line with one JSON object")
+            yield self._misunderstood(line, "the line is not a JSON object")
             return
         self._understood = True
         if self._identify is not None and not self.admitted:
@@ -314,7 +314,7 @@ class WatcherSession:
             yield WatcherRequest(line, value)
 
     def _misunderstood(self, line: str, reason: str) -> WatchRefusal:
-        # A watcher would not send such a first line; it may come from a browser that a web page sent here.
+        # Watchers never send a first line like this. It may come from a browser with a malicious web page.
         self.rejected = self.rejected or not self._understood
         self.refused()
         return refusal(line, reason)
@@ -326,8 +326,7 @@ def refusal(line: str, reason: str) -> WatchRefusal:
 
 
 def _object(line: str) -> dict[str, object] | None:
-    # Python's own parser is not used, because it accepts NaN, infinities, and numbers so large that they become
-    # infinite.
+    # Python's own parser is not used, because it accepts NaN, infinity, and numbers that are too large for a float.
     try:
         value: object = msgspec.json.decode(line.encode())
     except (msgspec.DecodeError, RecursionError, UnicodeEncodeError):

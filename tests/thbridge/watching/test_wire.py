@@ -180,7 +180,7 @@ def test_who_goes_on_and_on_is_sent_away_and_who_makes_a_mistake_is_not():
 def test_what_is_no_object_is_told_with_its_beginning(line):
     guest = WatcherSession()
     events = list(guest.feed(b"{}\n" + line + b"\n"))
-    assert events[1] == WatchRefusal(line.decode(errors="replace")[:80], "it is not a line with one JSON object")
+    assert events[1] == WatchRefusal(line.decode(errors="replace")[:80], "the line is not a JSON object")
     assert not guest.rejected
 
 

@@ -1,4 +1,4 @@
-"""Hunts as parallel environments of PettingZoo (optional dependencies `learning`); see docs/how-to/learning.md."""
+"""Hunts as parallel environments of PettingZoo. They need the extra `learning`; see docs/how-to/learning.md."""
 
 from thbridge.api.learning.abstract_environment import AbstractHuntEnv as AbstractHuntEnv
 from thbridge.api.learning.environment import HuntEnv as HuntEnv

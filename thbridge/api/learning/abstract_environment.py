@@ -1,4 +1,7 @@
-"""Environment of the abstract hunt: agents make the same decisions without simulated robots, thousands per second."""
+"""Environment of the abstract hunt: agents make the same decisions, but robots are not simulated.
+
+It runs thousands of decisions per second.
+"""
 
 from typing import Literal
 
@@ -20,11 +23,11 @@ from thbridge.roles.shared.robot_requests import StationSend
 
 
 class AbstractHuntEnv(TeamEnvironment):
-    """The hunt of `HuntEnv` without simulated robots, with the same game, seeds, actions and observations.
+    """Environment with the same game, seeds, actions and observations as `HuntEnv`, but without simulated robots.
 
-    The same study and seed hide the same treasures. Energy, rooms and points follow the same rules. No robot is
-    simulated: every move succeeds and takes the number of seconds given in the map's `mapTimes`. Decisions about
-    treasures take no time. In observations, a robot knows its pose and drives in a straight line.
+    The same study and seed hide the same treasures. The rules about energy, rooms and points are the same. Because
+    robots are not simulated, every move succeeds and takes the number of seconds given in the map's `mapTimes`.
+    Decisions about treasures take no time. In observations, a robot knows its pose and drives in a straight line.
     docs/how-to/learning.md lists the differences.
 
     Args:
@@ -32,7 +35,7 @@ class AbstractHuntEnv(TeamEnvironment):
         robots: number of robots, used if no study is given.
         step: duration of a step in simulated seconds, or "decision" to run until a robot is ready.
         max_seconds: simulated seconds after which an episode is truncated.
-        shared: If True, every agent gets the reward of the team. If False, each agent gets that of its own robot.
+        shared: If True, each agent gets the reward of the team. If False, each agent gets the reward of its robot.
         room_reward: reward for each room reached, in addition to the points for treasures.
         energy_cost: cost per unit of energy.
         time_cost: cost per simulated second.
@@ -43,7 +46,7 @@ class AbstractHuntEnv(TeamEnvironment):
 
     Attributes:
         study: the study.
-        layout: position of each part of an observation in its vector.
+        layout: positions of the parts of an observation in the vector.
     """
 
     def __init__(
@@ -72,14 +75,14 @@ class AbstractHuntEnv(TeamEnvironment):
         )
         for key, entries in (("things", self._setting.study.things), ("mishaps", self._setting.study.mishaps)):
             if entries:
-                problem = "the abstract hunt has no robots that these could affect"
-                raise HuntError(f"{key}: {problem}. Remove them from the study, or use HuntEnv.", key=key)
+                problem = "the abstract hunt does not simulate robots, so this key cannot have an effect"
+                raise HuntError(f"{key}: {problem}. Remove the key from the study, or use HuntEnv.", key=key)
         with as_hunt_errors():
             self._times = MoveTimes.of(self._setting)
         self._opening = HuntOpening.of(self._setting, self._times)
         self._hunt: AbstractHunt | None = None
         self._starts = self._setting.map.starts[: self.study.robots]
-        # Numbers of each robot while it stands in a room, and while it drives between two rooms for a number of ticks.
+        # Numbers of each robot at rest in a room, and during a drive between two rooms that takes a number of ticks.
         self._standing: dict[tuple[int, int], BodyNumbers] = {}
         self._straight: dict[tuple[int, int, int, int], tuple[BodyNumbers, BodyNumbers]] = {}
 
@@ -89,7 +92,7 @@ class AbstractHuntEnv(TeamEnvironment):
         return [] if self._hunt is None else [noted(tick * TICK, event) for tick, event in self._hunt.events]
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return an image of the hunt, (rows, cols, 3), or None unless `render_mode` requests images."""
+        """Return an image of the hunt, (rows, cols, 3); None if `render_mode` does not request images."""
         if self.render_mode is None or self._hunt is None:
             return None
         from thbridge.api.learning.picture import picture_of  # noqa: PLC0415  # only needed for images
@@ -107,7 +110,7 @@ class AbstractHuntEnv(TeamEnvironment):
     @property
     def _playing(self) -> AbstractHunt:
         if self._hunt is None:
-            raise HuntError("no episode is under way. Reset the environment first.")
+            raise HuntError("no episode is in progress. Call `reset` first.")
         return self._hunt
 
     @property
@@ -117,7 +120,7 @@ class AbstractHuntEnv(TeamEnvironment):
 
     def _begin(self, seed: int, record: str | None) -> None:
         if record is not None:
-            problem = "the abstract hunt has no robots that could be recorded"
+            problem = "the abstract hunt cannot be recorded, because it does not simulate robots"
             raise HuntError(f"record: {problem}. Use HuntEnv.", key="record")
         self._hunt = AbstractHunt(self._setting, self._opening, self._times, self._rule, seed)
 
@@ -162,7 +165,7 @@ class AbstractHuntEnv(TeamEnvironment):
         return self._starts[robot] if room.is_corridor else self._goals[room.wire]
 
     def _straight_line(self, start: Pose2, goal: Pose2, ticks: int) -> tuple[BodyNumbers, BodyNumbers]:
-        """Return the observation numbers of a robot at the start and at the end of a straight line."""
+        """Return the numbers for observations of a robot, at the start and at the end of a straight line."""
         x, y = goal.x - start.x, goal.y - start.y
         length, heading = elementary.hypot(x, y), elementary.atan2(y, x)
         twist = Twist(length / (ticks * TICK), 0.0)

@@ -1,4 +1,4 @@
-"""Hunts without robots: a game by the usual rules, in which moves take the times given in the map."""
+"""Hunts without simulated robots: the usual rules apply, and the map gives the durations of moves."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -27,9 +27,9 @@ class MoveTimes:
     """Durations of moves on a study's map, and energy costs of moves from the start poses.
 
     Attributes:
-        between: ticks from room to room, indexed by room number; None where no time is known.
+        between: ticks from room to room, indexed by room number; None if the time is unknown.
         from_starts: ticks to each room from the start pose of each robot.
-        prices: energy of the moves from each start pose; empty where the cost matrix gives it.
+        prices: energy of the moves from each start pose; empty if the cost matrix contains the energy.
     """
 
     between: Sequence[Sequence[int | None]]
@@ -58,7 +58,7 @@ class MoveTimes:
         return cls(_ticks(plain_costs(timed.costs)), _ticks(seconds), prices)
 
     def ticks(self, robot: int, start: Room, room: Room, cost: float) -> int:
-        """Return the duration of a move in ticks; a move without a known time takes one second per unit of `cost`."""
+        """Return the duration of a move in ticks; if it is unknown, a move takes 1 s per unit of `cost`."""
         row = self.from_starts[robot] if start.is_corridor else self.between[start.people]
         ticks = row[room.people]
         return max(round(cost * TICKS_PER_SECOND), 1) if ticks is None else ticks
@@ -69,7 +69,7 @@ def _ticks(rows: Sequence[Sequence[float | None]]) -> list[list[int | None]]:
 
 
 class AbstractMove(NamedTuple):
-    """Move in progress: the ticks of its departure and of its arrival."""
+    """Move in progress: tick of the departure and tick of the arrival."""
 
     departed: int
     arrives: int
@@ -77,12 +77,12 @@ class AbstractMove(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class HuntOpening:
-    """Beginning of a study's hunts. It is the same for all seeds, except for the seed itself and the treasures.
+    """Beginning of a study's hunts. Hunts with different seeds differ only in the seed and the treasures.
 
     Attributes:
-        game: state in which the caller commands all robots.
-        priced: events before the treasures are hidden.
-        commanded: events after the treasures are hidden.
+        game: state of the game as soon as the caller commands all robots.
+        priced: events before the event that hides the treasures.
+        commanded: events after the event that hides the treasures.
     """
 
     game: GameState
@@ -104,23 +104,23 @@ class HuntOpening:
 
 
 class AbstractHunt:
-    """Game without simulated robots: a robot has only a position. Requests of ground stations command the robots.
+    """Game without simulated robots, whose only state is their positions. Ground stations' requests command the robots.
 
-    A move takes the time given by the map. All decisions about a treasure are carried out in the tick of the arrival.
-    Moves never fail, and robots never get lost or wait for one another.
+    The map gives the duration of a move. All decisions about a treasure are carried out in the tick of the arrival.
+    Moves never fail, robots never get lost, and robots never wait for each other.
 
     Args:
         setting: the study with its files.
         opening: beginning of the study's hunts.
-        times: durations of its moves.
-        rule: decides about treasures.
-        seed: random seed of the game; replaces that of the study.
+        times: durations of moves.
+        rule: rule that decides about treasures.
+        seed: random seed of the game, which replaces the study's seed.
 
     Attributes:
         tick: the current tick.
         game: state of the game.
         moves: the move in progress of each robot.
-        events: all events so far with their ticks, oldest first.
+        events: all events so far, each with its tick, oldest first.
     """
 
     def __init__(
@@ -138,11 +138,11 @@ class AbstractHunt:
         self._record(rules.ending(self.game))
 
     def ask(self, request: JudgedRequest) -> None:
-        """Carry out a request at once; a request refused by the rules has no effect."""
+        """Carry out a request at once; a request that the rules refuse has no effect."""
         self._follow(ruling_on(self.game, request))
 
     def run_to(self, tick: int) -> None:
-        """Advance to the next arrival, but no further than the given tick."""
+        """Advance to the next arrival or, if it is later than `tick`, to `tick`."""
         arrivals = [move.arrives for move in self.moves if move is not None]
         self.tick = min([tick, *arrivals])
         for robot, move in enumerate(self.moves):
@@ -174,7 +174,7 @@ class AbstractHunt:
 
 
 def _followed(game: GameState, ruling: rules.Ruling, events: list[Event]) -> GameState:
-    """Return the state after a ruling, and add its events to a list; a refusal adds none."""
+    """Return the state after a ruling, and add the ruling's events to a list; a refusal has no events."""
     for event in ruling if isinstance(ruling, tuple) else ():
         game = apply(game, event)
         events.append(event)

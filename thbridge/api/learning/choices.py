@@ -1,4 +1,4 @@
-"""Choices of agents: the robots that are ready in a state of the game, and the rooms that each may choose."""
+"""Choices of agents in a state of the game: the robots that are ready, and the rooms for each robot."""
 
 from thbridge.api.learning.observation import Mask, action_masks
 from thbridge.api.learning.treasure_rule import TreasureRule
@@ -9,10 +9,10 @@ from thbridge.hunt.rules import affordable
 
 
 class RobotChoices:
-    """Choices for the robots of a game, computed once for each state; in most ticks the state is unchanged.
+    """Choices for the robots of a game, computed only when the state of the game has changed.
 
     Args:
-        rule: decides about treasures.
+        rule: rule that decides about treasures.
         rooms: number of rooms.
     """
 
@@ -25,12 +25,12 @@ class RobotChoices:
         self._masks: Mask | None = None
 
     def ready(self, game: GameState) -> list[bool]:
-        """Return for each robot whether it could be sent."""
+        """Return one flag per robot: True if the robot can be sent to a room."""
         self._judge(game)
         return self._ready
 
     def rooms(self, game: GameState) -> list[tuple[Room, ...]]:
-        """Return the rooms to which each robot could be sent."""
+        """Return the rooms to which each robot can be sent."""
         self._judge(game)
         return self._rooms
 
@@ -42,7 +42,7 @@ class RobotChoices:
         return self._masks
 
     def is_ready(self, game: GameState, robot: int) -> bool:
-        """Return True if a robot could be sent: it stands, can drive, and no treasure there waits for a decision."""
+        """Return True if a robot can be sent: it is at rest, can drive, and has no undecided treasure in its room."""
         state = game.robots[robot]
         return (
             state.bound_for is None

@@ -1,4 +1,4 @@
-"""Environment with fully simulated robots: agents choose rooms, or velocities, for the robots of one session."""
+"""Environment with fully simulated robots: agents choose rooms or velocities for the robots of one session."""
 
 from collections.abc import Mapping
 from typing import Literal
@@ -19,35 +19,35 @@ from thbridge.hunt.game import GameState
 from thbridge.roles.shared.robot_requests import CommandRequest, StationSend, TakeCommand
 
 TOGETHER = 10 * TICKS_PER_SECOND
-"""Number of ticks within which a game starts and its treasures are hidden."""
+"""Largest number of ticks until a game has started and its treasures are hidden."""
 
 
 class HuntEnv(TeamEnvironment):
-    """A hunt in which each agent `robot_1`, `robot_2`, ... decides for one robot (PettingZoo's parallel interface).
+    """Hunt in which each agent `robot_1`, `robot_2`, ... decides for one robot (PettingZoo's parallel interface).
 
     With `control="rooms"`, an action is 0 to wait, or the number of a room to go to. The action counts if the robot is
-    ready, the room is free and its cost is within the robot's energy (`infos[agent]["action_mask"]`). Otherwise the
-    robot continues what it does.
+    ready, the room is free, and the robot has enough energy (`infos[agent]["action_mask"]`). Otherwise the robot
+    continues its activity.
 
     With `control="velocity"`, an action is an array (2,) in [-1, 1]: forward speed and rate of turn to the left, as
     fractions of the motors' largest values. When a robot comes within `reach` of the goal of a free room, its own
     software drives it into the room. The rules of the game apply.
 
-    Treasures are sensed, photographed and named by a rule (`TreasureRule`). Observations contain what a robot believes
-    and what its team knows, never the truth; `layout` names their parts.
+    Treasures are sensed, photographed and named by a rule (`TreasureRule`). Observations contain the beliefs of a robot
+    and the knowledge of the team, but never the truth; `layout` names the parts of an observation.
 
     Args:
         study: the study. If None, the default study with `robots` robots is used.
         robots: number of robots, used if no study is given.
-        control: "rooms" or "velocity": what agents choose.
-        step: duration of a step in simulated seconds; default 1, or 0.1 with velocities. "decision" runs until a robot
-            is ready.
+        control: kind of the agents' actions, "rooms" or "velocity".
+        step: duration of a step in simulated seconds; by default 1, or 0.1 with velocities. "decision" runs until a
+            robot is ready.
         max_seconds: simulated seconds after which an episode is truncated.
-        shared: If True, every agent gets the reward of the team. If False, each agent gets that of its own robot.
+        shared: If True, each agent gets the reward of the team. If False, each agent gets the reward of its robot.
         room_reward: reward for each room reached, in addition to the points for treasures.
         energy_cost: cost per unit of energy.
         time_cost: cost per simulated second.
-        reach: distance to the goal of a room, in meters; see above.
+        reach: distance to the goal of a room in meters, used with velocities; see above.
         render_mode: "rgb_array" makes `render` return images.
 
     Raises:
@@ -55,8 +55,8 @@ class HuntEnv(TeamEnvironment):
 
     Attributes:
         study: the study.
-        layout: position of each part of an observation in its vector.
-        session: the hunt in progress.
+        layout: positions of the parts of an observation in the vector.
+        session: session of the hunt in progress.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class HuntEnv(TeamEnvironment):
         if step is None:
             step = 0.1 if drives else 1.0
         if step == "decision" and drives:
-            raise HuntError("step: 'decision' does not work with velocities. Give seconds.", key="step")
+            raise HuntError("step: 'decision' requires control='rooms'. Give a number of seconds.", key="step")
         super().__init__(
             HuntStudy(robots=robots) if study is None else study,
             "thbridge_hunt_v0",
@@ -95,13 +95,13 @@ class HuntEnv(TeamEnvironment):
         )
         self.session: HuntSession | None = None
         self._reach = reach
-        # State of the game at the time of the last requests about treasures.
+        # State of the game when treasures were last considered.
         self._decided: GameState | None = None
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return an image of the hunt with true and estimated poses, (rows, cols, 3).
 
-        Returns None unless `render_mode` requests images.
+        Return None if `render_mode` does not request images.
         """
         if self.render_mode is None or self.session is None:
             return None
@@ -122,7 +122,7 @@ class HuntEnv(TeamEnvironment):
     @property
     def _playing(self) -> HuntSession:
         if self.session is None:
-            raise HuntError("no episode is under way. Reset the environment first.")
+            raise HuntError("no episode is in progress. Call `reset` first.")
         return self.session
 
     @property
@@ -132,13 +132,13 @@ class HuntEnv(TeamEnvironment):
         return hunt.game, hunt.tick
 
     def _begin(self, seed: int, record: str | None) -> None:
-        """Run until the treasures are hidden and the caller commands all robots."""
+        """Run until the treasures are hidden, and the caller commands all robots."""
         self.session = session = HuntSession(seeded(self.study, seed), record=record)
         self._decided = None
         hunt = inside(session)
         while hunt.game is None or hunt.game.treasures is None:
             if hunt.tick > TOGETHER:
-                raise HuntError("no game begins with this study. Check its templates and map with `thbridge play`.")
+                raise HuntError("no game starts with this study. Check its templates and map with `thbridge play`.")
             session.step()
         for robot in range(self.study.robots):
             self._ask(TakeCommand(robot, SENDER))
@@ -174,7 +174,7 @@ class HuntEnv(TeamEnvironment):
         return self._drive(game, actions) if self._drives else super()._act(game, actions)
 
     def _drive(self, game: GameState, actions: Mapping[str, Action]) -> dict[str, bool]:
-        """Drive robots. Those at the goal of a free room are sent into the room, and their own software drives."""
+        """Drive the robots. If a robot is at the goal of a free room, its own software drives it into the room."""
         (team, _), world = team_of(self._playing.snapshot), self._setting.study.world
         accepted = {}
         for robot, agent in enumerate(self.possible_agents):
@@ -186,14 +186,17 @@ class HuntEnv(TeamEnvironment):
                 self._ask(StationSend(robot, room))
             free = state.bound_for is None and room is None and self._rule.request(game, robot) is None
             if free and not state.is_silent:
-                # One tick longer than a step, so that driving does not stop between two steps.
+                # The command lasts one tick longer than a step, so that the robot does not stop between two steps.
                 twist = Twist(linear * world.max_vel_x, angular * world.max_vel_theta)
                 inside(self._playing).ask(SENDER, DriveManually(robot, twist, (self._ticks or 1) + 1))
             accepted[agent] = free
         return accepted
 
     def _room_at(self, game: GameState, robot: int, base_in_map: Pose2) -> int | None:
-        """Return the number of a free, affordable room if the robot thinks that it is at its goal, otherwise None."""
+        """Return the number of a free room if the robot believes that it is at the room's goal; otherwise None.
+
+        The robot must have enough energy for the room.
+        """
         state = game.robots[robot]
         for room in game.free_rooms:
             near = base_in_map.distance(self._goals[room.wire]) <= self._reach
@@ -207,4 +210,4 @@ class HuntEnv(TeamEnvironment):
 
 
 parallel_env = HuntEnv
-"""`HuntEnv` under the name that PettingZoo's own environments use."""
+"""`HuntEnv`, under the usual name in PettingZoo."""

@@ -1,4 +1,4 @@
-"""Observations: beliefs of each robot and knowledge of its team, as one vector of numbers in [-1, 1]."""
+"""Observations: the beliefs of a robot and the knowledge of its team, as a vector of numbers in [-1, 1]."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,7 +18,7 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 
 SECTORS = 24
-"""Number of sectors of a scan; each is represented by its smallest range."""
+"""Number of sectors of a scan; an observation contains the smallest range of each sector."""
 
 Vector = NDArray[np.float32]
 Mask = NDArray[np.int8]
@@ -27,13 +27,13 @@ LayoutOfParts: TypeAlias = "Mapping[str, slice[int, int, None]]"
 
 @dataclass(frozen=True, slots=True)
 class ObservationScale:
-    """Magnitudes that are scaled to 1.
+    """Magnitudes that are scaled to 1 in observations.
 
     Attributes:
         left: smallest x of the map, meters.
-        low: smallest y, meters.
+        low: smallest y of the map, meters.
         width: size of the map along x, meters.
-        height: size along y, meters.
+        height: size of the map along y, meters.
         energy: energy at the start.
         speed: largest speed, meters per second.
         turn: largest rate of turn, radians per second.
@@ -57,8 +57,8 @@ class BodyNumbers(NamedTuple):
 
     Attributes:
         motion: position, heading, spread and speed.
-        lost: 1 if it considers itself lost.
-        remaining: remaining length of its plan.
+        lost: 1 if the robot considers itself lost.
+        remaining: remaining length of the robot's plan.
         seen: directions and scan, if they are part of observations.
     """
 
@@ -69,13 +69,14 @@ class BodyNumbers(NamedTuple):
 
 
 class ObservationEncoder:
-    """Encoder of a session's state as one observation for each agent.
+    """Encoder that converts a session's state into observations, one for each agent.
 
     Args:
         robots: number of robots.
         goals: goal pose of each room.
-        scale: magnitudes.
-        with_scans: include scans and relative positions of rooms, for agents that choose velocities.
+        scale: magnitudes that are scaled to 1.
+        with_scans: if True, observations include scans and relative positions of rooms, which agents need to choose
+            velocities.
 
     Attributes:
         layout: position of each part in the vector.
@@ -106,7 +107,7 @@ class ObservationEncoder:
         self._goals = tuple(goals)
         self._scale = scale
         self._with_scans = with_scans
-        # Packing is twice as fast as building an array from lists. Limits given as arrays are twice as fast as numbers.
+        # Packing is twice as fast as an array made from lists. Arrays of limits are twice as fast as single numbers.
         self._packing = Struct(f"{robots * self.size}f")
         self._shape = robots, self.size
         self._most, self._least = np.ones(self._shape, np.float32), -np.ones(self._shape, np.float32)
@@ -119,7 +120,7 @@ class ObservationEncoder:
 
         Args:
             tick: the current tick.
-            bodies: results of `of_output` or `of_pose`.
+            bodies: results of `of_output` or `of_pose`, one for each robot.
             game: the state of the game.
             ready: True for each robot that can be sent.
         """
@@ -147,8 +148,8 @@ class ObservationEncoder:
         return np.maximum(observations, self._least, out=observations)
 
     def of_output(self, output: RobotOutput, scan: Ranges) -> BodyNumbers:
-        """Return the numbers of a robot as it believes them; `scan` is its last scan."""
-        # The robot's broadcast already contains pose and odometry, so its own observations need not be computed.
+        """Return the numbers of a robot according to its beliefs; `scan` is the robot's last scan."""
+        # The robot's broadcast already contains pose and odometry, so the robot's sensor messages are not needed.
         pose, twist = output.neighbour.base_in_map, output.neighbour.twist
         (xx, _, _), (_, yy, _), (_, _, aa) = output.estimate.covariance.tolist()
         spread = [math.sqrt(max(variance, 0.0)) for variance in (xx, yy, aa)]
@@ -156,11 +157,11 @@ class ObservationEncoder:
         return self._body(pose, spread, twist, output.lost, output.navigation.remaining, seen)
 
     def of_pose(self, pose: Pose2, twist: Twist, remaining: float) -> BodyNumbers:
-        """Return the numbers of a robot that knows its pose; `remaining` is the distance left to drive, in meters."""
+        """Return the numbers of a robot that knows its pose; `remaining` is the remaining distance, in meters."""
         return self._body(pose, [0.0, 0.0, 0.0], twist, False, remaining, [])
 
     def poses(self, bodies: Sequence[BodyNumbers]) -> Floats:
-        """Return (robots, 3) poses, taken from the numbers of the robots."""
+        """Return (robots, 3) poses, computed from the numbers of the robots."""
         scale = self._scale
         return np.array(
             [
@@ -188,7 +189,7 @@ class ObservationEncoder:
         return BodyNumbers(motion, float(lost), remaining / (scale.width + scale.height), seen)
 
     def _take(self, game: GameState, ready: Sequence[bool]) -> None:
-        """Compute the numbers of a new state of the game; in most ticks the state is unchanged."""
+        """Compute the numbers of the game, if the state of the game has changed."""
         self._game = game
         self._of_game = [self._numbers(game, robot, is_ready) for robot, is_ready in enumerate(ready)]
         reserved = [0.0] * len(game.rooms)
@@ -206,7 +207,7 @@ class ObservationEncoder:
         return _GameNumbers([state.energy / full, float(is_ready), *bound_for], bound_for, costs)
 
     def _directions(self, base_in_map: Pose2) -> Iterator[float]:
-        """Yield x and y of each room's goal, relative to the pose that the robot believes."""
+        """Yield x and y of each room's goal, relative to the robot's believed pose."""
         cosine, sine = elementary.cos_sin(base_in_map.theta)
         for goal in self._goals:
             x, y = goal.x - base_in_map.x, goal.y - base_in_map.y
@@ -222,7 +223,7 @@ class ObservationEncoder:
 
 
 class _GameNumbers(NamedTuple):
-    """Numbers of the game for one robot: own state (energy, readiness, destination), destination alone, move costs."""
+    """Numbers of the game for one robot: its state (energy, readiness, destination), its destination, move costs."""
 
     own: list[float]
     bound_for: list[float]
@@ -230,7 +231,9 @@ class _GameNumbers(NamedTuple):
 
 
 def action_masks(choices: Sequence[Sequence[Room]], rooms: int) -> Mask:
-    """Return (robots, rooms + 1) flags: 1 for each action that counts. Action 0 is to wait; others are room numbers.
+    """Return (robots, rooms + 1) flags: 1 for each action that counts.
+
+    Action 0 means to wait; all other actions are room numbers.
 
     Args:
         choices: rooms that each robot may choose.
@@ -243,7 +246,7 @@ def action_masks(choices: Sequence[Sequence[Room]], rooms: int) -> Mask:
         for room in open_to:
             mask[room.people] = 1
         masks += mask
-    # An array made from bytes is read-only, and is created twice as fast as one made from lists.
+    # An array made from bytes is read-only, and is created twice as fast as an array made from lists.
     return np.frombuffer(masks, np.int8).reshape(len(choices), rooms + 1)
 
 

@@ -1,4 +1,4 @@
-"""Images of a hunt: the map, rooms, true and believed poses of robots."""
+"""Images of a hunt: the map, the rooms, and the true and believed poses of robots."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ from thbridge.api.snapshot import Floats
 from thbridge.app.compose.setting import StudySetting
 
 PIXELS = 480
-"""Length of the longer side, in pixels."""
+"""Length of the longer side of an image, in pixels."""
 _SHADES = {"free": 255, "occupied": 31, "unknown": 213}
 _VISITED, _OPEN = "#009E73", "#D55E00"
 _BODY, _BELIEF = "#0072B2", "#7A5195"
@@ -23,7 +23,7 @@ _RADIUS = 0.25
 
 
 def picture_of(setting: StudySetting, visited: Sequence[bool], believed: Floats, true: Floats) -> NDArray[np.uint8]:
-    """Return an image (rows, cols, 3) with room numbers (green once visited), robots, and believed poses (violet).
+    """Return an image (rows, cols, 3) with room numbers (green after a visit), robots, and believed poses (violet).
 
     Args:
         setting: the study with its map.

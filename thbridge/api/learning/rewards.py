@@ -11,7 +11,7 @@ class RewardWeights:
     """Weights of the rewards, in points.
 
     Attributes:
-        shared: If True, every agent gets the reward of the team. If False, each agent gets that of its own robot.
+        shared: If True, each agent gets the reward of the team. If False, each agent gets the reward of its robot.
         room: reward for each room reached, in addition to the points for treasures.
         energy: cost per unit of energy.
         time: cost per simulated second.

@@ -1,4 +1,4 @@
-"""Base class of the environments: agents that decide for the robots of a hunt, observations, rewards and seeds."""
+"""Base class of the environments: agents, actions, observations, rewards and seeds."""
 
 from abc import abstractmethod
 from collections.abc import Mapping
@@ -42,11 +42,11 @@ LARGEST_SEED = 2**31 - 1
 class TeamEnvironment(ParallelEnv[str, Vector, Action]):
     """Environment in which each agent `robot_1`, `robot_2`, ... decides for one robot of a hunt.
 
-    Subclasses move the robots. The arguments are those of `HuntEnv`.
+    Subclasses move the robots. `HuntEnv` describes the arguments.
 
     Attributes:
         study: the study.
-        layout: position of each part of an observation in its vector.
+        layout: positions of the parts of an observation in the vector.
     """
 
     def __init__(
@@ -105,11 +105,11 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
         """Start an episode.
 
         Args:
-            seed: seed of this episode. If None, the next seed that follows from the last given seed is used.
+            seed: seed of this episode. If None, the last given seed determines the seeds of the following episodes.
             options: `{"record": "episode.bag"}` records the episode; other options have no effect.
 
         Raises:
-            HuntError: the episode cannot be recorded there, or this environment does not record.
+            HuntError: the episode cannot be recorded at this path, or this environment cannot record.
         """
         self.close()
         self._episode = self._episode + 1 if seed is None else 0
@@ -123,14 +123,14 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
     def step(
         self, actions: Mapping[str, Action]
     ) -> tuple[dict[str, Vector], dict[str, float], dict[str, bool], dict[str, bool], dict[str, Info]]:
-        """Apply actions and run for the duration of a step; without an action, an agent's robot waits or stands still.
+        """Apply actions, and run for the duration of a step. If an agent has no action, its robot waits or stops.
 
         Raises:
             HuntError: `reset` has not been called, or an action is outside its space.
         """
         before, began = self._now
         if not self.agents:
-            # Wrappers call this even after all agents are done.
+            # Wrappers also call this method after all agents are done.
             return {}, {}, {}, {}, {}
         accepted = self._act(before, actions)
         self._run()
@@ -147,14 +147,14 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
         return observations, rewards, dict.fromkeys(agents, is_over), dict.fromkeys(agents, is_late), infos
 
     def state(self) -> Vector:
-        """Return the observations of all agents, one after the other, for central critics.
+        """Return the observations of all agents as one vector, for central critics.
 
         Raises:
             HuntError: `reset` has not been called.
         """
         return np.concatenate(list(self._observations(*self._now).values()))
 
-    # Differs between the environments
+    # Methods of the subclasses
 
     @abstractmethod
     def close(self) -> None:
@@ -175,16 +175,16 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
 
     @abstractmethod
     def _run(self) -> None:
-        """Run for the duration of a step, but not beyond the end of the game or of the episode."""
+        """Run for the duration of a step, or until the game or the episode ends."""
 
     @abstractmethod
     def _bodies(self) -> list[BodyNumbers]:
-        """Return the numbers of each robot that observations contain in addition to the game's numbers."""
+        """Return the numbers in observations that do not come from the game, for each robot."""
 
     # Actions
 
     def _act(self, game: GameState, actions: Mapping[str, Action]) -> dict[str, bool]:
-        """Send robots to rooms; return for each agent whether its action counts."""
+        """Send robots to rooms; return one flag per agent, True if the agent's action counts."""
         taken: list[int] = []
         choices = self._choices.rooms(game)
         accepted = {}
@@ -192,7 +192,7 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
             action = actions.get(agent, 0)
             room = action if isinstance(action, int) else int(np.asarray(action).item())
             if not 0 <= room <= len(self._goals):
-                raise HuntError(f"{agent}: there is no action {room}. Choose one of 0 to {len(self._goals)}.")
+                raise HuntError(f"{agent}: there is no action {room}. Choose an action from 0 to {len(self._goals)}.")
             counts = room == 0 or (room not in taken and any(room == each.people for each in choices[robot]))
             if counts and room > 0:
                 taken.append(room)
@@ -217,14 +217,14 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
 
 
 def _seed_of(seed: int, episode: int) -> int:
-    """Return the seed of an episode: the given seed for the first episode, pseudo-random ones for later episodes."""
+    """Return the seed of an episode: the given seed for the first episode, pseudo-random seeds for later episodes."""
     if episode == 0:
         return seed & LARGEST_SEED
     return int(noise.uniform(noise.key(seed, "episodes"), episode, 0) * LARGEST_SEED)
 
 
 def _scale(setting: StudySetting, seconds: float) -> ObservationScale:
-    """Return the magnitudes that are scaled to 1 in observations of a study; episodes last `seconds`."""
+    """Return the magnitudes that are scaled to 1 in observations; `seconds` is the duration of an episode."""
     grid, world = setting.map.grid, setting.study.world
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     corners = grid.origin.transform(np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]))

@@ -1,4 +1,4 @@
-"""Rule by which robots decide about treasures, so that agents only have to choose rooms."""
+"""Rule that decides about treasures, so that agents only choose rooms."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ TreasureRequest: TypeAlias = StationIdentify | StationLeave | StationTakePicture
 
 @dataclass(frozen=True, slots=True)
 class TreasureRule:
-    """Rule that names a treasure once only one name fits, after taking a picture if the energy suffices.
+    """Rule that names a treasure if only one name fits. First, a picture is taken if the energy is enough.
 
-    A treasure that it cannot name is left undecided. Simulated participants use the same rule.
+    If the rule cannot name a treasure, the treasure is left undecided. Simulated participants use the same rule.
 
     Attributes:
-        kinds: treasures that may be hidden.
+        kinds: all possible treasures.
         shown_by: name of the treasure shown in a picture, by the picture's file name.
     """
 
@@ -31,7 +31,10 @@ class TreasureRule:
         return cls(tuple(kinds), {kind.image: kind.name for kind in kinds if kind.image is not None})
 
     def request(self, game: GameState, robot: int) -> TreasureRequest | None:
-        """Return the next request about the treasure where a robot (an index) stands, or None if there is none."""
+        """Return the next request about the treasure in a robot's room; None if there is none.
+
+        `robot` is an index.
+        """
         state = game.robots[robot]
         if state.bound_for is not None or state.at.is_corridor or state.is_blocked or state.is_silent:
             return None

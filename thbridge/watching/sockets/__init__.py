@@ -1,1 +1,1 @@
-"""Watch server and client: the bag of a session, sent over TCP while it is recorded."""
+"""Watch server and client, which transfer the messages of a running session over TCP."""

@@ -1,10 +1,10 @@
-"""Bounded queue of whole messages for a slow reader: when it is full, old messages are dropped."""
+"""Bounded queue of complete messages for a slow reader; when the queue is full, old messages are dropped."""
 
 from collections import OrderedDict, defaultdict, deque
 from typing import NamedTuple
 
 LIMIT = 8 * 2**20
-"""Bytes that may be queued."""
+"""Largest number of queued bytes."""
 
 
 class _Waiting(NamedTuple):
@@ -13,17 +13,17 @@ class _Waiting(NamedTuple):
 
 
 class Backlog:
-    """Records of several channels in order; above the limit, the oldest records of the largest channel are dropped.
+    """Queue of records of several channels; above the limit, the oldest records of the largest channel are dropped.
 
     The newest record of a latched channel is never dropped, because it may be the only record for a long time. So the
-    queue is bounded by the limit plus these records.
+    size of the queue is at most the limit plus the size of these records.
 
     Args:
-        limit: bytes that may be queued.
+        limit: largest number of queued bytes.
 
     Attributes:
         dropped: number of records dropped so far.
-        size: bytes in the queue.
+        size: number of queued bytes.
     """
 
     def __init__(self, limit: int = LIMIT) -> None:
@@ -37,7 +37,7 @@ class Backlog:
         self._number = 0
 
     def put(self, channel: int, record: bytes, latched: bool) -> None:
-        """Append a record. If the queue is then above its limit, records are dropped, possibly this record."""
+        """Append a record. If the queue is then above the limit, drop records, possibly also the new record."""
         self._number += 1
         self._waiting[self._number] = _Waiting(channel, record)
         self._of_channel[channel].append(self._number)
@@ -49,7 +49,7 @@ class Backlog:
             pass
 
     def take(self, size: int) -> list[tuple[int, bytes]]:
-        """Remove and return the oldest records with their channels, up to at least `size` bytes together."""
+        """Remove and return the oldest records, with at least `size` bytes in total, each with its channel."""
         taken: list[tuple[int, bytes]] = []
         while self._waiting and size > 0:
             _, (channel, record) = self._waiting.popitem(last=False)
@@ -61,7 +61,7 @@ class Backlog:
         return taken
 
     def _drop_from_heaviest(self) -> bool:
-        """Drop the older half of the largest channel; return False when nothing may be dropped."""
+        """Drop the older half of the largest channel; return False if no record may be dropped."""
         channel = max(self._of_channel, key=self._droppable_bytes)
         droppable = self._droppable(channel)
         for _ in range((droppable + 1) // 2):

@@ -1,4 +1,4 @@
-"""Watch client: receives a session's messages over TCP, sends requests, and reconnects after every loss."""
+"""Watch client, which receives a session's messages over TCP, sends requests, and reconnects when disconnected."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from thbridge.watching.wire import BagStreamReader, BrokenStream, SessionMessage
 
 _SEGMENT = 256 * 1024
 _WAITING = 20_000
-"""Largest number of queued messages; above it nothing is read, and finally the watch server drops messages."""
+"""Largest number of queued messages; above it, the client stops reading, and the server may drop messages."""
 _NAP = 0.02
 _TIMEOUT = 10.0
-"""Seconds without a byte until the connection counts as broken; the server sends its status every second."""
+"""Seconds without data after which the connection counts as broken; the server sends a status every second."""
 
 
 @dataclass(frozen=True, slots=True)
 class WatchConnected:
-    """Connection to the session; its earlier messages follow."""
+    """Event: the client is connected to the session, whose earlier messages follow."""
 
 
 WatchEvent: TypeAlias = WatchConnected | SessionMessage | ConnectionLost
 
 
 class WatchClient(ReconnectingClient):
-    """Receiver of a session's messages, which reconnects until `run` is cancelled.
+    """Client that receives a session's messages, and reconnects until `run` is cancelled.
 
     `run` needs an event loop, for example that of a separate thread. All other methods may be called from any thread.
 
     Args:
         host: host of the watch server.
         port: port of the watch server.
-        key: key of the watch server; None if there is none.
+        key: key of the watch server; None if no key is needed.
         backoff: delays between two attempts.
     """
 
@@ -53,7 +53,7 @@ class WatchClient(ReconnectingClient):
         return events
 
     def send(self, line: bytes) -> bool:
-        """Send a line, such as that from `app.session.watch_requests.request_line`; return False if not connected."""
+        """Send a line, for example from `app.session.watch_requests.request_line`; return False if not connected."""
         loop, writer = self._loop, self._writer
         if loop is None or writer is None or loop.is_closed():
             return False
@@ -88,7 +88,7 @@ class WatchClient(ReconnectingClient):
                 if status is not None and status.refused is not None:
                     refused = status.refused.reason
                 elif self._writer is None:
-                    # An admitted watcher first gets earlier messages; a rejected one gets only a refusal.
+                    # An admitted watcher first gets earlier messages; a rejected watcher gets only a refusal.
                     self._accepted(writer)
                     self._events.append(WatchConnected())
                 if self._writer is not None:

@@ -1,4 +1,4 @@
-"""History of a session for watchers that connect late, so that they see the same as earlier watchers."""
+"""History of a session for watchers that connect late: they then have the same messages as earlier watchers."""
 
 from collections import defaultdict, deque
 from collections.abc import Sequence
@@ -19,14 +19,12 @@ from thbridge.ros.topics import (
 )
 
 LISTED = frozenset({GAME_EVENTS, UTTERANCES, DIALOGUE_MOVES, DIALOGUE_STATES, SEND_ROBOTS, SUCCESS, INPUTS, ROSOUT})
-"""Topics for which all recent messages are kept. Other topics keep only their newest message: it has the present
-state."""
+"""Topics for which all recent messages are kept. For other topics, only the newest message is kept."""
 
 MAX_MESSAGES = 1000
-"""Largest number of messages kept for a listed topic; for the game's events, the limit applies to each kind of
-event."""
+"""Largest number of messages kept for each topic in `LISTED`, and for each kind of game event."""
 MAX_BYTES = 2**20
-"""Largest total size of these messages, in bytes."""
+"""Largest total size of the messages kept for a topic or a kind of event, in bytes."""
 
 
 class _Numbered(NamedTuple):
@@ -35,7 +33,7 @@ class _Numbered(NamedTuple):
 
 
 class MessageHistory:
-    """The newest message of each topic, and the recent messages of the listed topics, in bounded memory.
+    """Newest message of each topic, and recent messages of the topics in `LISTED`, in bounded memory.
 
     Only events of the present game are kept. Each kind of event has its own limit, so that frequent events, such as
     collisions, do not displace the events that contain the state of the rooms.
@@ -47,7 +45,7 @@ class MessageHistory:
         self._count = 0
 
     def take(self, message: RosMessage) -> None:
-        """Add a message; messages come in order of time."""
+        """Add a message; messages must be added in order of time."""
         topic = message.topic
         if topic not in LISTED:
             self._levels[topic] = message
@@ -61,7 +59,7 @@ class MessageHistory:
         self._recent[topic, kind].add(_Numbered(self._count, message))
 
     def before(self, latest: Sequence[RosMessage]) -> list[RosMessage]:
-        """Return the kept messages that these latest ones do not replace, oldest first."""
+        """Return the kept messages, oldest first, without messages that the `latest` messages replace."""
         replaced = {message.topic for message in latest}
         levels = [level for topic, level in self._levels.items() if topic not in replaced]
         listed = sorted(each for recent in self._recent.values() for each in recent.messages)
@@ -69,7 +67,7 @@ class MessageHistory:
 
 
 class _Recent:
-    """Recent messages of one kind."""
+    """Recent messages of one topic, or of one kind of event."""
 
     def __init__(self) -> None:
         self.messages: deque[_Numbered] = deque()

@@ -1,7 +1,7 @@
-"""Watch server: sends a session's messages over TCP to researchers' windows, and handles their requests.
+"""Watch server, which sends a session's messages over TCP to researchers' windows, and handles their requests.
 
-Everything runs on the thread of one event loop. No watcher can slow the session down: unread messages wait in a bounded
-queue. When the queue is full, messages are dropped, and the status contains their number.
+All code runs on the thread of one event loop. Watchers cannot slow the session down: unread messages are in a bounded
+queue. When the queue is full, messages are dropped, and the status contains the number of dropped messages.
 """
 
 from __future__ import annotations
@@ -45,27 +45,28 @@ MAX_WATCHERS = 8
 """Largest number of watchers at a time; further watchers are rejected."""
 
 MAX_CONNECTIONS = 256
-"""Largest number of connections, with or without a key. A further connection replaces one that is not admitted. The
-event loop accepts fewer connections at a time, so it reads a client's key before the client can be replaced."""
+"""Largest number of connections. A further connection replaces a connection that is not admitted.
+
+The event loop accepts fewer connections at a time, so it reads a client's key before the client can be replaced.
+"""
 
 _log = logging.getLogger(__name__)
 
 _STATUS = Topic(STATUS, types.STRING, latched=True)
 _KEY_SECONDS = 10.0
-"""Seconds that a connection has to send its key."""
+"""Seconds within which a client must send its key."""
 _WRONG_KEY_SECONDS = 1.0
-"""Delay in seconds before the server answers that a key is wrong; then the client may try again."""
+"""Delay in seconds before the server answers that a key is wrong. After the answer, the client may try again."""
 _LINGER = 1.0
-"""Seconds that a rejected watcher has to read the reason."""
+"""Seconds for which a rejected watcher can still read the reason."""
 _HEARTBEAT = 1.0
 _SEGMENT = 256 * 1024
-"""Bytes that are written to a socket at a time. The number is small because bytes in the socket's buffer can no longer
-be dropped."""
+"""Number of bytes written to a socket at a time. It is small, because data in a socket's buffer cannot be dropped."""
 
 
 @dataclass(frozen=True, slots=True)
 class SessionPace:
-    """Pace of the session; the attributes are as in `WatchStatus`."""
+    """Pace of the session; `WatchStatus` describes the attributes."""
 
     paused: bool
     rate: float
@@ -73,10 +74,10 @@ class SessionPace:
 
 
 class WatchedSession(Protocol):
-    """Session behind the server."""
+    """Session that the server shows to watchers."""
 
     def ask(self, watcher: str, wish: Mapping[str, object], key: str = "") -> str | None:
-        """Carry out a watcher's request; `key` is the key it was made with, if any.
+        """Carry out a watcher's request; `key` is the name of the watcher's key, if there is one.
 
         Return None, or the reason for a refusal.
         """
@@ -85,18 +86,18 @@ class WatchedSession(Protocol):
         """Return the session's pace."""
 
     def unwatched(self) -> None:
-        """Note that the last watcher has left."""
+        """Record that the last watcher has disconnected."""
 
 
 class WatchServer:
-    """Server of a session's messages to all watchers, which passes on their requests.
+    """Server that sends a session's messages to all watchers, and passes their requests to the session.
 
     Args:
-        session: carries out requests.
-        keys: checks the keys that watchers must present; watchers on other machines connect over TLS. If None, every
-            program of this machine is admitted.
-        definitions: message definitions; None uses those of an installed ROS, if there is one.
-        bag: path of the session's bag; None if it records none.
+        session: the session, which carries out requests.
+        keys: keys that watchers must send; watchers on other machines must use TLS. If None, all programs on this
+            machine are admitted.
+        definitions: message definitions. If None, the definitions of an installed ROS are used, if there is one.
+        bag: path of the session's bag; None if the session records no bag.
     """
 
     def __init__(
@@ -124,7 +125,7 @@ class WatchServer:
         self._heart: asyncio.Task[None] | None = None
 
     async def start(self, host: str, port: int) -> ListeningAddress | CannotListen:
-        """Begin to serve; port 0 selects any free port."""
+        """Start the server; port 0 selects any free port."""
         try:
             tls = None if self._keys is None else self._keys.tls
             address = await self._door.listen(self._watcher, host, port, tls)
@@ -135,7 +136,7 @@ class WatchServer:
         return address
 
     async def stop(self) -> None:
-        """Report the end of the session, and close the port; watchers have a moment to read the last messages."""
+        """Report the end of the session, and close the port after a delay in which watchers read the last messages."""
         if self._heart is None:
             return
         self._door.close()
@@ -160,7 +161,7 @@ class WatchServer:
         self._send(self._watchers, self._latest)
 
     def tell_status(self) -> None:
-        """Send every watcher its status."""
+        """Send each watcher its status."""
         for watcher in self._watchers:
             self._send_status(watcher)
 
@@ -169,8 +170,8 @@ class WatchServer:
     def connection_opened(self, watcher: _Watcher) -> int:
         """Add a connection and return its number."""
         if len(self._open) >= self._door.most:
-            # Clients with a key send it at once. So a client with a wrong key is replaced first, then the oldest client
-            # without a key.
+            # Clients that have a key send it at once. So a client with a wrong key is replaced first, then the oldest
+            # client without a key.
             deaf = next((each for each in self._open if each.deaf), None)
             (deaf or next(each for each in self._open if each not in self._watchers)).abort()
         self._open[watcher] = None
@@ -178,7 +179,7 @@ class WatchServer:
         return self._connection_count
 
     def admit(self, watcher: _Watcher) -> None:
-        """Add a watcher, which gets the messages of the history, then all messages of the last tick."""
+        """Add a watcher, and send it the messages of the history, then all messages of the last tick."""
         if len(self._watchers) >= MAX_WATCHERS:
             self.turn_away(watcher, WatchRefusal("", f"{MAX_WATCHERS} watchers are connected already"))
             return
@@ -189,14 +190,14 @@ class WatchServer:
         self.tell_status()
 
     def turn_away(self, watcher: _Watcher, why: WatchRefusal) -> None:
-        """Send a rejected connection the reason, and close it."""
+        """Send the reason to a rejected client, and close the connection."""
         watcher.write(BEGINNING)
         watcher.refuse(why)
         self._send_status(watcher)
         watcher.close()
 
     def ask(self, watcher: _Watcher, wish: WatcherRequest) -> None:
-        """Handle a watcher's request, and send the status to all."""
+        """Handle a watcher's request, and send the status to all watchers."""
         credentials = watcher.decoder.credentials
         if credentials.may(Right.INTERVENE):
             name = f" ({credentials.key})" if credentials.key else ""
@@ -211,13 +212,13 @@ class WatchServer:
         self.tell_status()
 
     def lost(self, watcher: _Watcher) -> None:
-        """Remove a connection that is closed on both sides."""
+        """Remove a connection that both sides have closed."""
         self.left(watcher)
         self._open.pop(watcher, None)
         self._all_closed.set()
 
     def left(self, watcher: _Watcher) -> None:
-        """Remove a watcher; no effect if it was not admitted."""
+        """Remove a watcher; this has no effect if the watcher was not admitted."""
         if watcher in self._watchers:
             self._watchers.remove(watcher)
             _log.info("watcher %d has disconnected", watcher.number)
@@ -272,11 +273,11 @@ class _Watcher(AsyncioProtocol):
     """TCP connection of one watcher.
 
     Attributes:
-        number: number in the order of connections.
-        decoder: decodes its lines.
-        backlog: messages it has not read.
-        status: its status as of the last change.
-        deaf: True once the watcher has sent a wrong key; the watcher gets the answer a moment later.
+        number: number of the connection, in the order of connections.
+        decoder: decoder of the watcher's lines.
+        backlog: messages that the watcher has not read.
+        status: status after the last change.
+        deaf: True after the watcher has sent a wrong key, which the server answers after a delay.
     """
 
     def __init__(self, server: WatchServer, decoder: WatcherSession, chunks: ChunkMaker) -> None:
@@ -300,7 +301,7 @@ class _Watcher(AsyncioProtocol):
         stranger = None if is_encrypted(transport) else peer_of(transport)
         if stranger is not None:
             self._server.complaints.warn(
-                f"{stranger} does not use TLS, as other machines must; its connection is closed"
+                f"{stranger} does not use TLS, which other machines must use; the connection is closed"
             )
             transport.abort()
             return
@@ -317,7 +318,7 @@ class _Watcher(AsyncioProtocol):
             return
         begun, self._begun = self._begun, True
         if not begun and begins_http(data):
-            self._server.complaints.warn("a client sent HTTP, as a web page does; its connection is closed")
+            self._server.complaints.warn("a client sent HTTP, as web browsers do; the connection is closed")
             if self._transport is not None:
                 self._transport.abort()
             self._closing = True
@@ -342,7 +343,7 @@ class _Watcher(AsyncioProtocol):
 
     def eof_received(self) -> bool:
         self._input_ended = True
-        # A watcher without requests may end its input and still receive messages (`nc HOST PORT < /dev/null`), but not
+        # A watcher without requests may end its output and still receive messages (`nc HOST PORT < /dev/null`), except
         # in TLS.
         half_open = self._transport is not None and self._transport.can_write_eof()
         return half_open and self.decoder.admitted and not self._closing
@@ -358,16 +359,16 @@ class _Watcher(AsyncioProtocol):
         self._closing = True
         if self._timer is not None:
             self._timer.cancel()
-        self._transport = None  # Breaks a reference cycle: a TLS transport uses much memory and refers to this object.
+        self._transport = None  # This breaks a reference cycle with a TLS transport, which uses much memory.
         self._server.lost(self)
 
     def refuse(self, why: WatchRefusal) -> None:
-        """Record a refusal for the next status."""
+        """Record a refusal, which the next status contains."""
         self.status = replace(self.status, refused=why, refusals=self.status.refusals + 1)
 
     def flush(self) -> None:
-        """Write queued messages to the socket until its buffer is full."""
-        # After a failure of the socket `connection_lost` is called later; asyncio warns about writes until then.
+        """Write queued messages to the socket until the socket's buffer is full."""
+        # After a failure of the socket, `connection_lost` is called later. Until then, asyncio warns about writes.
         while not (self._full or self._closing) and self._transport is not None and not self._transport.is_closing():
             taken = self.backlog.take(_SEGMENT)
             if not taken:
@@ -375,12 +376,12 @@ class _Watcher(AsyncioProtocol):
             self._transport.write(self._chunks.chunk(taken))
 
     def write(self, data: bytes) -> None:
-        """Write these bytes to the socket."""
+        """Write bytes to the socket."""
         if self._transport is not None:
             self._transport.write(data)
 
     def close(self) -> None:
-        """Close the connection after the other side has had a moment to read the last bytes."""
+        """Close the connection after a delay in which the other side can read the last bytes."""
         if self._closing or self._transport is None:
             return
         self._closing = True
@@ -392,7 +393,7 @@ class _Watcher(AsyncioProtocol):
             return
         try:
             transport.write_eof()
-        except OSError:  # The other side is gone already, but asyncio has not noticed it yet.
+        except OSError:  # The other side has already disconnected, but asyncio has not noticed this yet.
             transport.abort()
             return
         asyncio.get_running_loop().call_later(_LINGER, transport.abort)

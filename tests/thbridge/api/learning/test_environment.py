@@ -225,7 +225,7 @@ def test_pictures_are_drawn_on_request() -> None:
         (lambda: HuntEnv(STUDY, step=0.001), "Give at least 0.02"),
         (lambda: HuntEnv(STUDY, step="decision", control="velocity"), "Give seconds"),
         (lambda: HuntEnv(STUDY).step({}), "Reset the environment first"),
-        (lambda: acted({"robot_1": 9}), "Choose one of 0 to 8"),
+        (lambda: acted({"robot_1": 9}), "Choose an action from 0 to 8"),
         (lambda: acted({"robot_1": np.array([1.5, 0.0])}, control="velocity"), "Clip the action"),
     ],
 )

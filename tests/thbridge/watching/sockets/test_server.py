@@ -205,7 +205,7 @@ async def test_wishes_are_passed_on_and_what_is_refused_is_told_to_who_asked() -
         assert sorted(wish["request"] for _, wish in door.house.asked) == ["Nonsense", "Pause"]
         refused = [status.refused for status in one.statuses if status.refused is not None]
         assert (refused[0].request, refused[0].reason) == ('{"request": "Nonsense"}', "no")
-        assert (refused[-1].request, refused[-1].reason) == ("nonsense", "it is not a line with one JSON object")
+        assert (refused[-1].request, refused[-1].reason) == ("nonsense", "the line is not a JSON object")
         assert {status.refused for status in other.statuses} == {None}
         assert {status.lag for status in other.statuses} == {0.25}
 
