@@ -1,4 +1,4 @@
-"""Progress bar with elapsed seconds while the simulator is compiled: on a terminal, or in a window with Cancel."""
+"""Progress bar while the simulator is compiled, on a terminal or in a window with the button *Cancel*."""
 
 import atexit
 import hashlib
@@ -23,13 +23,13 @@ _WINDOW = "from ui.windows.first_start import show; show()"
 
 
 def own_environment() -> dict[str, str]:
-    """Return environment variables for our child processes, so that they use the same sources and compile cache."""
+    """Return environment variables with which child processes use the same sources and cache of compiled code."""
     paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     return {**os.environ, "PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(cache_folder().parent)}
 
 
 class StartBar:
-    """Progress bar of this program, and the processes that it can cancel.
+    """Progress bar of this program, and the compiling processes that its user can cancel.
 
     Attributes:
         compilers: processes that compile for this program.
@@ -85,7 +85,7 @@ class StartBar:
             process.kill()
 
     def _wait_for_cancel(self, window: "subprocess.Popen[str]") -> None:
-        """End the program if the user cancels. At this point, nothing is open that would have to be closed."""
+        """End the program if the user cancels. Only the bar must be closed, because nothing else is open yet."""
         with window:
             if window.stdout is not None and window.stdout.readline() == "cancel\n":
                 self.stop_compiling()
@@ -98,7 +98,7 @@ START_BAR = StartBar()
 
 
 def announce_start(look: str | None = None) -> None:
-    """Open the bar if the simulator has not been compiled here; call this before importing anything else.
+    """Open the bar if the simulator has not been compiled here; to be called before all other imports.
 
     Args:
         look: colors of the window with the bar. If None, there is no window.
@@ -108,7 +108,7 @@ def announce_start(look: str | None = None) -> None:
 
 
 def mark_compiled() -> None:
-    """Record that everything hunts usually need was compiled, so that the next start shows no bar."""
+    """Record that all kernels that hunts usually need are compiled, so that the next start shows no bar."""
     _make_mark(_compiled_mark())
 
 
@@ -129,12 +129,13 @@ def _make_mark(mark: Path) -> None:
 
 
 def _compiled_mark() -> Path:
-    """Return a folder that exists if these sources were compiled here; it is found without importing the compiler."""
+    """Return the path of a folder that exists if these sources were compiled here. No import of the compiler is needed.
+    """
     return cache_folder() / f"first_start-{_key()}"
 
 
 def _begun_mark() -> Path:
-    """Return a folder that exists if a start began to compile these sources here."""
+    """Return the path of a folder that exists if a start began to compile these sources here."""
     return cache_folder() / f"begun-{_key()}"
 
 

@@ -1,4 +1,4 @@
-"""Compiling at the first start: kernels that hunts need are compiled before the hunt, on several cores."""
+"""Compiling at the first start: the kernels that hunts need are compiled on several cores before the hunt."""
 
 import os
 import subprocess
@@ -20,7 +20,7 @@ from ui.first_start.bar import (
 )
 
 COMPILERS = 4
-"""Greatest number of processes that compile; each needs 200 MB."""
+"""Greatest number of processes that compile. Each process needs 200 MB of memory."""
 BESIDE = 5
 """Niceness of processes that compile during a hunt."""
 PERIOD = 0.2
@@ -28,18 +28,18 @@ PERIOD = 0.2
 
 
 def announce_compiling() -> None:
-    """Print that the first start takes longer, if nothing was compiled yet."""
+    """Print that the simulator is compiled first, if no kernel has been compiled yet."""
     if len(missing(before_moves=False)) == len(recorded_calls()):
         note(FIRST_START)
 
 
 def compile_ahead(*, whole_hunt: bool, look: str | None = None) -> None:
-    """Compile what a hunt usually needs, and show the progress; Ctrl-C and Cancel end the program.
+    """Compile the kernels that a hunt usually needs, and show the progress. Ctrl-C and *Cancel* end the program.
 
     Args:
-        whole_hunt: True to return when everything is compiled. False to return when the first tick can run. The rest is
-            then compiled during the hunt, which waits for parts that it needs. Parts that an earlier start did not
-            compile are always compiled before the hunt, because a series of short hunts would never compile them.
+        whole_hunt: True to return when all kernels are compiled. False to return when the first tick can run. The rest
+            is then compiled during the hunt, which waits for kernels that it needs. Kernels that an earlier start did
+            not finish are always compiled before the hunt, because a series of short hunts would never compile them.
         look: colors of the window with the bar. If None, there is no window.
     """
     calls = missing(before_moves=False)
@@ -64,11 +64,11 @@ def compile_ahead(*, whole_hunt: bool, look: str | None = None) -> None:
 
 
 def _notice(count: int, unfinished: bool) -> str:
-    """Return a sentence about the parts that this start compiles, and why."""
+    """Return a sentence about the number of parts that this start compiles, and the reason."""
     total = len(recorded_calls())
     if count == total:
         return FIRST_START
-    why = ", which an earlier start did not finish" if unfinished else ""
+    why = ", because an earlier start did not finish" if unfinished else ""
     return f"Compiling {count} of {total} parts of the simulator for this machine{why}."
 
 
@@ -82,8 +82,8 @@ def _wait_for(calls: list[str], done: dict[str, Event]) -> None:
 def _compiled(calls: list[str], beside: set[str]) -> dict[str, Event]:
     """Return an event for each call. It is set when the call is compiled, or when no process is left to compile it.
 
-    Other processes compile the calls in the given order. The hunt's process waits for them before it compiles a call
-    itself. Calls in `beside` are compiled during the hunt, at low priority.
+    Other processes compile the calls in the given order. Before the hunt's process compiles a call itself, it waits for
+    the event. Calls in `beside` are compiled during the hunt, at low priority.
     """
     done = {call: Event() for call in calls}
     answered: list[str] = []

@@ -1,4 +1,4 @@
-"""Program of a process that compiles before a hunt; it imports nothing else."""
+"""Program of a process that compiles kernels before a hunt. It imports only what compiling needs."""
 
 import gc
 import signal
@@ -10,12 +10,12 @@ from sim.numerics.signatures import compile_call
 
 def compile_calls() -> None:
     """Compile the calls that arrive on standard input, and write an empty line after each."""
-    # Only the hunt's process handles Ctrl-C. When it ends, the standard input of this process ends too.
+    # Only the hunt's process handles Ctrl-C. When that process ends, the standard input of this process ends, too.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # A compiler creates many objects but few reference cycles; a search for them would take an eighth of its time.
+    # A compiler creates many objects but few reference cycles. Searching for cycles would take an eighth of the time.
     gc.disable()
     for call in sys.stdin:
-        # A kernel that fails to compile here is compiled when it is called, and then reports why it fails.
+        # If a kernel cannot be compiled here, the hunt compiles it when it is called, and then the error is reported.
         with suppress(Exception):
             compile_call(call)
         sys.stdout.write("\n")

@@ -1,4 +1,4 @@
-"""Question on the terminal that asks if a person takes part; nothing is recorded before the answer."""
+"""Question on the terminal whether a person takes part. Nothing is recorded before the answer."""
 
 import typer
 
@@ -11,7 +11,7 @@ from ui.model.consent_words import answer_in
 
 
 def ask_for_consent(texts: Texts, text: str) -> GiveConsent:
-    """Show the study's text and wait for a yes; a no, or the end of the input, ends the command."""
+    """Show the study's text, and wait for the answer. The answer no, or the end of the input, ends the command."""
     for line in text.splitlines():
         say(line)
     question = texts.text("terminal.question")

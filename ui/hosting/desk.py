@@ -1,4 +1,4 @@
-"""Researcher's desk of a running study: it receives the state of the study, and its requests are carried out."""
+"""Host of the researcher's desk in a running study: sends the study's state to the desk, and carries out requests."""
 
 import asyncio
 from collections.abc import Callable
@@ -27,7 +27,7 @@ from ui.sources.experiment import ExperimentSource
 GATHERED = 0.2
 """Seconds for which events are collected before one update."""
 RENEWED = 20.0
-"""Seconds after which the state is sent even without events, so that the displayed minutes stay current."""
+"""Seconds after which the state is sent again even without events, because the desk shows times in minutes."""
 
 
 class DeskFailed(Exception):  # noqa: N818 - it is shown as a sentence
@@ -35,9 +35,9 @@ class DeskFailed(Exception):  # noqa: N818 - it is shown as a sentence
 
 
 class StudyUnderWay(Protocol):
-    """Running study, as its desk uses it.
+    """Interface of a running study for its desk.
 
-    Methods that handle a request return a sentence if they refuse it, otherwise None.
+    Methods that handle a request return a sentence if they refuse the request, otherwise None.
 
     Attributes:
         changed: called after each event of the log, and when `kiosk` or `troubles` change.
@@ -54,16 +54,16 @@ class StudyUnderWay(Protocol):
         """Sentences about problems that a person must look at."""
 
     def admit_next(self) -> str | None:
-        """Let the next person begin at the kiosk."""
+        """Allow the next person to begin at the kiosk."""
 
     def note(self, text: str, participant: str) -> str | None:
         """Record a note about a person. If `participant` is empty, the note is about the study."""
 
     def exclude(self, participant: str, reason: str) -> str | None:
-        """Exclude a run from the data."""
+        """Exclude a participant's run from the data."""
 
     def end_run(self, participant: str, reason: str) -> str | None:
-        """End a run at its current step."""
+        """End a participant's run at the current step."""
 
     def busy_with(self, participant: str) -> str | None:
         """Return why a participant cannot withdraw now."""
@@ -76,9 +76,9 @@ class Desk:
         study: study to show; its `changed` is set here.
         folder: folder of the study, with its log.
         arguments: arguments for the window's command line.
-        troubles: sentences about other problems that a person must look at, such as those of markers.
-        command: command that opens the window. If None, the desk's own.
-        withdraw: function that deletes all data of a participant, and returns what a person must still do.
+        troubles: function that returns sentences about other problems, such as problems with markers.
+        command: command that opens the window. If None, the command of the desk's own window.
+        withdraw: function that deletes all data of a participant, and returns sentences about remaining tasks.
 
     Raises:
         BadFile: the study cannot be read.
@@ -105,7 +105,7 @@ class Desk:
         study.changed = self._news.set
 
     async def run(self) -> None:
-        """Keep the desk open until the researcher closes it; cancel it to close it.
+        """Keep the desk open until the researcher closes it. Cancelling this coroutine also closes the desk.
 
         Raises:
             DeskFailed: the window crashes each time it is opened.
@@ -145,7 +145,7 @@ class Desk:
             self._news.set()
 
     def _asked(self, request: NextParticipant | WriteNote | ExcludeRun | EndRun | WithdrawRun) -> str:
-        """Carry out a request; return a sentence if that is not possible, otherwise an empty text."""
+        """Carry out a request; return a sentence if this is not possible, otherwise an empty text."""
         study = self._study
         try:
             match request:

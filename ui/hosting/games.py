@@ -29,13 +29,13 @@ from ui.model.lobby import LOBBY, Offer
 from ui.model.playing.rules_sheet import rules_lines
 
 PRACTICE = Study(map="practice", templates="practice", robots=1)
-"""Map with a hall and two rooms, and treasures that no other set has."""
+"""Study of the practice game: a map with a hall and two rooms, and treasures that no other set has."""
 
 
 def practice_setting(game: StudySetting) -> StudySetting:
     """Return the setting of the practice game.
 
-    Random seed, server, sound, answers and language are those of the game after it.
+    Random seed, server, sound, answers and language are those of the game that follows the practice game.
     """
     study = game.study
     participant = dataclasses.replace(PRACTICE.participant, sound=study.participant.sound)
@@ -48,7 +48,7 @@ def offer_of(setting: StudySetting, given: bool, languages: Mapping[str, str] | 
 
     Args:
         setting: setting of the game; `participant: robots` of its study gives the numbers of robots.
-        given: True if an option gives the number of robots. This number is then the only choice.
+        given: True if an option sets the number of robots. This number is then the only choice.
         languages: languages that the participant may choose, by name. If None, the study determines the language.
     """
     study = setting.study
@@ -72,14 +72,14 @@ def offer_of(setting: StudySetting, given: bool, languages: Mapping[str, str] | 
 
 @dataclass(slots=True)
 class WindowGames:
-    """Games that a participant can start in the window, in the language chosen last.
+    """Games that a participant can start in the window, in the last chosen language.
 
     Attributes:
         study: study to play.
         file: file of the study; relative paths start from its folder.
         options: options of a game; if its bag is None, the default path is used.
         report: True to write a report of each recording.
-        hosts: callbacks that report how graph, watch and MAVLink have started.
+        hosts: callbacks that report the start of the ROS graph and of the ports for watching, MAVLink and Foxglove.
     """
 
     study: Study
@@ -89,7 +89,7 @@ class WindowGames:
     hosts: StartupCallbacks
 
     def setting(self, robots: int) -> StudySetting:
-        """Return the study with this number of robots; end the program if that is not possible."""
+        """Return the study with this number of robots; end the program if the study does not allow this."""
         return setting_of(with_team_size(self.study, robots), self.file)
 
     def speak(self, offer: Offer, language: str) -> Offer:
@@ -117,7 +117,7 @@ class WindowGames:
         return play
 
     def practice(self) -> PlayGame:
-        """Return a short game for learning the rules, which is not recorded."""
+        """Return a short game for learning the rules; it is not recorded."""
         setting = practice_setting(self.setting(self.study.robots))
 
         async def play(visit: GameVisit) -> None:
@@ -136,7 +136,7 @@ class WindowGames:
         return play
 
     async def _played(self, setting: StudySetting, options: PlayOptions, visit: GameVisit) -> HuntOutcome | None:
-        """Play a game; return None if the window was closed before it began."""
+        """Play a game; return None if the window was closed before the game began."""
 
         def ready(where: ListeningAddress | CannotListen) -> None:
             if isinstance(where, CannotListen):

@@ -1,4 +1,4 @@
-"""Sequence of games in a window: start page, practice game, and games until the participant leaves."""
+"""Sequence in a window: start page, practice game, and games until the participant leaves."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -27,20 +27,20 @@ from ui.model.lobby import (
 )
 
 WILDCARD_ADDRESSES = {"0.0.0.0": "127.0.0.1", "::": "::1"}
-"""Wildcard addresses of a server, and the addresses at which a window reaches it."""
+"""Wildcard addresses of a server, and the addresses at which a window reaches this server."""
 
 LobbyWindow: TypeAlias = WindowProcess[FromHost, FromWindow]
-"""Command that opens the participant's window."""
+"""Process of the participant's window."""
 
 
 class GameVisit:
-    """Visit of a participant to one game: they join it, and leave it later.
+    """Visit of a participant to one game, from joining the game to leaving it.
 
     Args:
         window: window of the participant.
         token: secret by which the server recognizes the window.
         practice: True for the practice game.
-        agreed_at: time of day at which the participant agreed to take part; empty if there was no question.
+        agreed_at: time of day at which the participant agreed to take part; empty if the study asks no such question.
     """
 
     def __init__(self, window: LobbyWindow, token: str, practice: bool, agreed_at: str) -> None:
@@ -67,7 +67,7 @@ class GameVisit:
 
 
 class Answer(Enum):
-    """Answer of a participant who was asked to take part; YES if there was no question."""
+    """Answer to the question whether the participant takes part; YES if there was no question."""
 
     YES = "yes"
     NO = "no"
@@ -86,7 +86,7 @@ async def host(
     practise: Callable[[], PlayGame],
     speak: Callable[[Offer, str], Offer] | None = None,
 ) -> Answer:
-    """Play games until the participant closes the window; no game starts before they have agreed to take part.
+    """Play games until the participant closes the window. No game starts before the participant agrees to take part.
 
     Args:
         window: window of the participant; it is opened here.
@@ -94,10 +94,10 @@ async def host(
         token: secret by which the server recognizes the window.
         play: function that returns a game with a given number of robots.
         practise: function that returns the practice game.
-        speak: function that returns an offer in another language, and switches later games to it.
+        speak: function that returns an offer in another language, and plays later games in this language.
 
     Returns:
-        The participant's answer; a no is final, whatever the window sends afterwards.
+        The participant's answer. The answer no is final, even if the window later sends other messages.
     """
     agreed_at = ""
     async with window.opened():

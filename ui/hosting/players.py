@@ -1,4 +1,4 @@
-"""Players of TabUI: simulated, or at the keyboard."""
+"""Players in the role TabUI: simulated participants, or a person at the keyboard."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -27,16 +27,16 @@ class LocalPlayer:
 
 
 def player_of_bot(who: str, templates: TemplateSet, study: Study) -> LocalPlayer:
-    """Return a simulated participant with the study's seed and attitude; it knows the kinds of treasures."""
+    """Return a simulated participant with the study's seed and attitude, and with the kinds of treasures."""
     return LocalPlayer(TabUI(build_bot(templates, who, study.seed, study.participant.attitude)), None)
 
 
 def player_of_person(texts: Texts, consent: GiveConsent | None = None) -> LocalPlayer:
-    """Return a player for a person, who sees only what the game shows, and may already have agreed to take part.
+    """Return a player for a person at the keyboard.
 
     Args:
-        texts: texts that are used until the game sends those of its language.
-        consent: consent of a person who has agreed.
+        texts: texts that are used until the game sends the texts of its language.
+        consent: consent of a person who has already agreed to take part.
     """
     person = TerminalPlayer(show, lambda: tabui.room_names, lambda: tabui.texts or texts)
     tabui = TabUI(person, consent=consent)

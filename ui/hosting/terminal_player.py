@@ -1,4 +1,4 @@
-"""Person who takes part in the terminal: the lines they see, and the commands they can type."""
+"""Person who takes part in the terminal: the lines on the terminal, and the commands that the person can type."""
 
 import unicodedata
 from collections.abc import Callable, Sequence
@@ -52,7 +52,7 @@ from ui.model.playing.words import commander_in_words, outcome_of, verdict_words
 
 @dataclass(slots=True)
 class TerminalPlayer:
-    """Player who types. Steps that were agreed, or that need no decision, are taken without another question.
+    """Player who types. The player carries out agreed steps, and steps without a decision, without another question.
 
     Attributes:
         show: function that prints a line.
@@ -83,7 +83,7 @@ class TerminalPlayer:
         return (*wanted, *follow, *sense)
 
     def type(self, line: str) -> None:
-        """Handle one typed line; a line that is not understood is answered with help."""
+        """Handle one typed line; for an unknown command, show help."""
         view = self._view
         if view is None:
             self.show(self.texts().text("terminal.not_begun"))
@@ -151,7 +151,7 @@ class TerminalPlayer:
                 self.show(self.texts().text("terminal.question"))
 
     def _answer(self, view: View, choice: int) -> None:
-        """Answer the first waiting dialogue; the choice -1 is the last one."""
+        """Answer the first waiting dialogue; -1 is the last choice."""
         dialogue = _waiting(view)
         if dialogue is None:
             self.show(self.texts().text("terminal.nobody_waits"))
@@ -382,8 +382,8 @@ class Telling:
         return " ".join([seen, *more, texts.text("terminal.name_it", number=number)])
 
     def _asked(self, dialogue: DialogueView, told: int = 0) -> list[str]:
-        """Return lines about a dialogue that waits for an answer: its sentences from number `told` on, and its
-        choices."""
+        """Return lines about a dialogue that waits for an answer: the sentences from number `told` on, and the choices.
+        """
         robot = dialogue.robot
         if not dialogue.choices:
             return [self.texts.text("window.thinking", robot=robot)]

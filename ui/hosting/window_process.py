@@ -1,4 +1,4 @@
-"""Process of a window: it is started, exchanges messages, and is restarted after a crash."""
+"""Process of a window, which exchanges messages with its host and is restarted after a crash."""
 
 import asyncio
 from asyncio.subprocess import PIPE, Process
@@ -42,7 +42,8 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
         self.given_up = False
         """True if the window has crashed too often."""
         self.left_open = False
-        """True if the window stays open after this program, which then ends by `os._exit`: asyncio kills children."""
+        """True if the window stays open when this program ends. The program then ends by `os._exit`, because asyncio
+        would kill the window's process."""
 
     async def send(self, message: FromHostT) -> None:
         """Send a message to the window."""
@@ -50,7 +51,7 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
         await self._write(message)
 
     async def next_request(self) -> FromWindowT:
-        """Wait for the next message of the window. If the window is closed for good, the last message is `closed`."""
+        """Wait for the next message of the window. The last message is `closed`; after it, the window stays closed."""
         return await self._requests.get()
 
     def pending_request(self) -> FromWindowT | None:
@@ -76,7 +77,7 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
         try:
             while crashes < MAX_CRASHES:
                 if crashes:
-                    note(f"The {self._name} has crashed. It is opened again.")
+                    note(f"The {self._name} has crashed, and is opened again.")
                 opened = loop.time()
                 if await self._open_once():
                     return
@@ -86,8 +87,8 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
             self._requests.put_nowait(self._protocol.closed)
 
     async def _open_once(self) -> bool:
-        """Open the window and listen until it closes; return True if it closed on purpose."""
-        # The window runs in a separate process session: Ctrl-C in the terminal ends only this program, which then
+        """Open the window and listen until it closes; return True if the user closed it on purpose."""
+        # The window runs in a separate process session. So Ctrl-C in the terminal ends only this program, which then
         # closes the window.
         process = await asyncio.create_subprocess_exec(*self._command, stdin=PIPE, stdout=PIPE, start_new_session=True)
         self._process = process
@@ -126,4 +127,4 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
             process.stdin.write(self._protocol.encode(message))
             await process.stdin.drain()
         except ConnectionError:
-            pass  # The window has just closed; its successor receives the message again.
+            pass  # The window has just closed. If it is opened again, the new process receives the message.

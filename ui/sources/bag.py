@@ -1,4 +1,4 @@
-"""Recording as the researcher's window shows it: the scene at any moment, and the complete log."""
+"""Recording for the researcher's window: the scene at any moment, and the complete log."""
 
 from bisect import bisect_right
 from collections.abc import Callable, Collection, Generator, Iterator, Sequence
@@ -24,26 +24,26 @@ from ui.sources.numbers import TopicNumbers
 from ui.sources.rooms import rooms_of
 
 TICK_NS = 20_000_000
-"""Length of a time step in the window, also for recordings of other robots."""
+"""Length of a time step in the window, nanoseconds; the same for recordings of other robots."""
 _FIRST_FRAMES = 50
 """Number of tf messages that are read to find robots whose odometry is not published."""
 _STATIC_MOST = 1000
 """Greatest number of messages of static frames that are read."""
 _CHUNKS_KEPT = 512
-"""Greatest number of chunks for which the places of tf messages are remembered."""
+"""Greatest number of chunks for which the positions of tf messages in the file are stored."""
 _MESSAGES_KEPT = 512
-"""Greatest number of remembered messages."""
+"""Greatest number of messages in the cache."""
 _PIECE = 100
-"""Greatest number of messages that a scan reads in one piece, which takes some milliseconds."""
+"""Greatest number of messages in one piece of a scan. Reading a piece takes some milliseconds."""
 _LOG_SHARE = 0.1
-"""Share of a scan's work that the log takes."""
+"""Share of a scan's work for reading the log; the rest is for the series."""
 
 
 def open_bag(path: Path) -> Generator[float, None, "BagSource"]:
-    """Open a recording; yield the completed share of the work, so that a caller can show it or cancel.
+    """Open a recording; yield the completed share of the work, so that a caller can show the share or cancel.
 
-    Opening takes half a second or more, most of it in the last piece, so windows do it in a thread. Work that is slow
-    only the first time is also done here.
+    Opening takes half a second or more, mostly in the last piece, so windows open recordings in a thread. This function
+    also builds a scene, because only the first scene is slow to build.
 
     Args:
         path: bag, or name of a split recording.
@@ -64,13 +64,13 @@ def open_bag(path: Path) -> Generator[float, None, "BagSource"]:
 class BagSource:
     """Recording created by `open_bag`; for use in one thread.
 
-    All methods that read raise BadFile if the file is damaged or missing.
+    All methods that read the file raise BadFile if the file is damaged or missing.
 
     Attributes:
         session: description of the session; None if thbridge did not record it.
         log: events, dialogue, messages and inputs, as far as `scan` has read.
         series: numbers over time, as far as `scan` has read.
-        rooms: rooms of the map, if it is known.
+        rooms: rooms of the map; empty if the map is unknown.
         unreadable: sentences about topics that cannot be read.
         topics: type of each topic that can be drawn, by its name.
         numbers: all topics, and the numbers in their messages.
@@ -102,18 +102,18 @@ class BagSource:
         self._index.close()
 
     def scene(self, at_ns: int, shown: ShownLayers) -> Scene:
-        """Return the scene at a time, limited to the times of the first and the last message."""
+        """Return the scene at a time. Earlier or later times give the scene at the first or last message."""
         at_ns = min(max(at_ns, self.start_ns), self.end_ns)
         watched = SceneInputs(self._robots, self._mapped, self.series, self.log, self.rooms, self.start_ns)
         scene = self._scenes.build(_Snapshot(self, at_ns), watched, shown)
         return scene if self.map is None else replace(scene, grid=self.map)
 
     def step(self, at_ns: int, steps: int) -> int:
-        """Return the time `steps` ticks later, or earlier if negative, limited to the recording."""
+        """Return the time `steps` ticks later (earlier if negative), but not outside the recording."""
         return min(max(at_ns + steps * TICK_NS, self.start_ns), self.end_ns)
 
     def scan(self) -> Iterator[float]:
-        """Read all messages of the log, then those of the series; yield the completed share of the work.
+        """Read all messages for the log, then all messages for the series; yield the completed share of the work.
 
         Each piece takes some milliseconds. At the end, `log` and `series` are complete.
         """
@@ -125,8 +125,10 @@ class BagSource:
     def _hand_over(
         self, topics: Collection[str], take: Callable[[WatchedMessage], None], start: float, end: float
     ) -> Iterator[float]:
-        """Pass all messages of these topics to `take`, in the order of time; yield the completed share, from `start` to
-        `end`."""
+        """Pass all messages of these topics to `take`, in the order of time.
+
+        Yield the completed share of the work, which grows from `start` to `end`.
+        """
         chunks = max(self._index.chunks, 1)
         for done, places in enumerate(self._index.walk(topics)):
             for number, place in enumerate(places, start=1):
@@ -167,7 +169,7 @@ class BagSource:
         return None if place is None else self._read(place)
 
     def frames(self, at_ns: int) -> list[WatchedMessage]:
-        """Return the messages that define the frames at a time, oldest first."""
+        """Return the messages that define the tf frames at a time, oldest first."""
         held: dict[tuple[str, bytes], RawMessage] = {}
         for message in self._statics:
             if message.stamp_ns <= at_ns:
@@ -188,7 +190,7 @@ class BagSource:
         return {key: self._read(place) for key, place in held.items()}
 
     def _frame_places_in(self, topic: str, chunk: int) -> dict[bytes, list[MessageLocation]]:
-        """Return the places of a tf topic's messages in a chunk, by their child frames."""
+        """Return the positions of a tf topic's messages in a chunk, by their child frames."""
         known = self._frame_places.get((topic, chunk))
         if known is None:
             known = {}
@@ -200,7 +202,7 @@ class BagSource:
         return known
 
     def _read(self, place: MessageLocation) -> RawMessage:
-        """Read a message. A repeated call returns the same object, so that each message is decoded only once."""
+        """Read a message. A second call returns the same object, so that a message is decoded only once."""
         key = (place.chunk, place.offset)
         known = self._messages.pop(key, None) or self._index.read(place)
         self._messages[key] = known
@@ -210,7 +212,7 @@ class BagSource:
 
 
 class _Unread:
-    """Message that is read on demand; for most messages, the stamp is enough."""
+    """Message whose bytes are read on demand, because most uses need only the stamp."""
 
     __slots__ = ("_index", "_place", "msgtype", "stamp_ns", "topic")
 
@@ -225,7 +227,7 @@ class _Unread:
 
 
 class _Snapshot:
-    """Last messages of a recording at one moment."""
+    """Last messages of a recording up to one moment."""
 
     def __init__(self, source: BagSource, at_ns: int) -> None:
         self._source = source
@@ -249,7 +251,7 @@ def _readable(index: BagIndex) -> tuple[tuple[str, ...], dict[str, str]]:
         except KeyError:
             continue
         if publisher.md5 != md5:
-            problems[publisher.topic] = f"{publisher.topic} contains {publisher.msgtype} of another version."
+            problems[publisher.topic] = f"{publisher.topic} has messages of another version of {publisher.msgtype}."
         else:
             topics[publisher.topic] = publisher.msgtype
     return tuple(problems.values()), {topic: topics[topic] for topic in sorted(topics) if topic not in problems}

@@ -1,4 +1,4 @@
-"""Numbers in the messages of a recording's topics, of all types that the recording defines; read on demand."""
+"""Numbers in the messages of a recording, for all types that the recording defines; read on demand."""
 
 from collections import Counter
 from collections.abc import Collection, Iterator
@@ -14,11 +14,11 @@ from thbridge.files.tables.table_files import ListColumn, OptionalColumn, Values
 from thbridge.recording.bag.reading.index import BagIndex, IndexedConnection, MessageLocation
 
 MOST_ELEMENTS = 32
-"""Greatest number of elements that can be chosen from one array, either of numbers or of messages."""
+"""Greatest number of elements of one array (of numbers, or of messages) that a person can choose."""
 _KEYS = frozenset({SECONDS.name, RECORDED.name, INDEX.name, "row"})
 """Columns that identify a row."""
 _PIECE = 100
-"""Number of messages read in one piece, which takes some milliseconds."""
+"""Number of messages that are read in one piece. Reading a piece takes some milliseconds."""
 _TOGETHER = 4000
 """Greatest number of messages that are decoded together."""
 _NO_CURVE: tuple[FloatArray, FloatArray] = (np.empty(0), np.empty(0))
@@ -26,7 +26,7 @@ _NO_CURVE: tuple[FloatArray, FloatArray] = (np.empty(0), np.empty(0))
 
 @dataclass(frozen=True, slots=True)
 class TopicContents:
-    """Topic of a recording: its name, its message type or types, and the number of messages."""
+    """Topic of a recording, with its message types and the number of its messages."""
 
     name: str
     msgtype: str
@@ -40,8 +40,8 @@ class PlottedField:
     Attributes:
         topic: name of the topic.
         table: path of the array of messages that contains the number; empty if the message itself contains it.
-        column: name of the field with its unit, without wrappers such as `pose`, as in exported tables.
-        unit: unit; empty if there is none or it is unknown.
+        column: name of the field with its unit, as in exported tables, without outer fields such as `pose`.
+        unit: unit; empty if the number has no unit, or an unknown unit.
         item: index in the array of messages; None if the message itself contains the number.
         element: index in the array of numbers; None for a single number.
     """
@@ -62,7 +62,7 @@ class PlottedField:
 
 @dataclass(slots=True)
 class _CurveParts:
-    """Curve that is being read: pieces of times and values, joined on demand."""
+    """Curve of a number that is being read, as pieces of times and values that are joined on demand."""
 
     pieces: list[tuple[FloatArray, FloatArray]] = field(default_factory=list)
 
@@ -76,14 +76,14 @@ class _CurveParts:
 class TopicNumbers:
     """Topics of a recording, and the numbers in their messages; for use in one thread.
 
-    All methods that read raise BadFile if the file is damaged or missing.
+    All methods that read the file raise BadFile if the file is damaged or missing.
 
     Args:
         index: index of the recording.
 
     Attributes:
         topics: all topics by name, including those without numbers.
-        chosen: numbers that are read and kept.
+        chosen: numbers whose values are read and kept.
     """
 
     def __init__(self, index: BagIndex) -> None:
@@ -111,7 +111,7 @@ class TopicNumbers:
         return self._fields[topic]
 
     def choose(self, chosen: Collection[PlottedField]) -> None:
-        """Choose numbers: keep the curves of these numbers, and begin to read the missing ones."""
+        """Choose numbers: keep the curves of these numbers, and begin to read missing curves."""
         self.chosen = tuple(chosen)
         unfinished = () if self._reading is None else self._reading[0]
         self._reading = None
@@ -135,7 +135,7 @@ class TopicNumbers:
         return True
 
     def curve(self, number: PlottedField) -> tuple[FloatArray, FloatArray]:
-        """Return (n,) seconds since the beginning and (n,) values of a chosen number, as far as they have been read."""
+        """Return (n,) seconds since the beginning and (n,) values of a chosen number, up to the part read so far."""
         parts = self._curves.get(number)
         return _NO_CURVE if parts is None else parts.joined()
 
@@ -149,7 +149,7 @@ class TopicNumbers:
         return {place for place in places if place is not None}
 
     def _read(self, topic: str, wanted: Collection[PlottedField]) -> Iterator[float]:
-        """Read the messages of a topic; yield the share that is done."""
+        """Read the messages of a topic; yield the completed share of the work."""
         tables, chunks, waiting = _Tables(topic, self._index.start_ns), max(self._index.chunks, 1), 0
         for done, places in enumerate(self._index.walk([topic])):
             for place in places:
@@ -178,7 +178,7 @@ class _Tables:
         self._tables: dict[IndexedConnection, TopicTables | None] = {}
 
     def add(self, place: MessageLocation, data: bytes) -> None:
-        """Add a message; a message of an unreadable type is ignored."""
+        """Add a message, unless its type cannot be read."""
         publisher = place.publisher
         if publisher not in self._tables:
             try:
@@ -197,7 +197,7 @@ class _Tables:
 
 
 def _is_minor(number: PlottedField) -> bool:
-    """Return True for numbers that are rarely plotted; they are listed last."""
+    """Return True for numbers that people rarely plot, and that are therefore listed last."""
     return number.column in {"seq", "stamp_ns"} or "cov_" in number.column or "covariance" in number.column
 
 
@@ -226,7 +226,7 @@ def _is_numbers(values: object) -> bool:
 
 
 def _values_of(rows: TableRows, number: PlottedField) -> tuple[FloatArray, FloatArray] | None:
-    """Return (n,) times and (n,) values of a number in some rows of its table; None if the table lacks its column."""
+    """Return (n,) times and (n,) values of a number in rows of its table; None if the table has no such column."""
     names = [column.name for column in rows.table.columns]
     if number.column not in names:
         return None

@@ -1,4 +1,4 @@
-"""Rooms of the map of a session."""
+"""Rooms of the map on which a session plays."""
 
 from pathlib import Path
 
@@ -12,10 +12,10 @@ from thbridge.study.study_file import read_study_text
 def rooms_of(session: SessionRecord, path: Path) -> tuple[MapRoom, ...]:
     """Return the rooms of the map that a session's study names; empty if the map is not available here.
 
-    Checking the whole map takes some tenths of a second, so windows do it in a thread.
+    Checking the whole map takes some tenths of a second, so windows call this function in a thread.
 
     Args:
-        session: description of the session, from a bag or a running session.
+        session: description of the session, as in a bag.
         path: path of the bag; a relative path of the map starts from the bag's folder.
     """
     try:

@@ -60,7 +60,7 @@ def test_what_a_short_run_leaves_is_compiled_before_the_next_which_says_so(tmp_p
     missing, told = start(tmp_path, calls, short)
     assert missing == 0
     match = re.fullmatch(
-        r"Compiling (\d+) of 13 parts of the simulator for this machine, which an earlier start did not finish\.\n",
+        r"Compiling (\d+) of 13 parts of the simulator for this machine, because an earlier start did not finish\.\n",
         told,
     )
     assert match, told

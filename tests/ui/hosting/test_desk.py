@@ -109,7 +109,7 @@ def test_a_desk_that_crashes_whenever_it_is_opened_is_told(
         desk = Desk(RunningStudy(study, log), study.folder, command=(sys.executable, "-c", "raise SystemExit(1)"))
         asyncio.run(asyncio.wait_for(_keep_desk(desk, study.folder.root), 60))
     told = capfd.readouterr().err
-    assert "The desk has crashed. It is opened again." in told
+    assert "The desk has crashed, and is opened again." in told
     assert "The desk has failed: it crashes each time it is opened. The study continues without it." in told
     assert "thbridge study watch" in told
 

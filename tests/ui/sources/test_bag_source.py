@@ -242,7 +242,7 @@ class TestForeign:
             known = bag.add_connection("/odom", "nav_msgs/msg/Odometry", msgdef="int32 x\n", md5sum="0" * 32)
             bag.write(known, 1, b"\0\0\0\0")
         source = scanned(path)
-        assert source.unreadable == ("/odom contains nav_msgs/Odometry of another version.",)
+        assert source.unreadable == ("/odom has messages of another version of nav_msgs/Odometry.",)
         assert source.scene(1, ALL).robots == ()
 
 

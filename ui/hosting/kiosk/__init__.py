@@ -1,1 +1,1 @@
-"""Kiosk: people go through a study at one computer, page after page. Its only state is the log of the study."""
+"""Kiosk: people go through a study at one computer, page after page. The kiosk's only state is the study's log."""

@@ -10,7 +10,7 @@ LONGEST = 20_000
 
 
 def form_item(item: Item) -> FormItem:
-    """Return what participants see of an item: neither its key nor the right answer."""
+    """Return the parts of an item that participants see, without its scoring and its right answer."""
     return FormItem(
         id=item.id,
         text=item.text,
@@ -32,7 +32,7 @@ def form_item(item: Item) -> FormItem:
 
 
 def is_answer(item: Item, answer: Answer) -> bool:
-    """Return True for a valid answer to an item; None removes an answer."""
+    """Return True for a valid answer to an item. None is valid, and removes an earlier answer."""
     if answer is None:
         return True
     if answer == NOT_APPLICABLE and item.not_applicable:
@@ -51,7 +51,7 @@ def is_answer(item: Item, answer: Answer) -> bool:
 
 
 def to_answer(given: JsonValue) -> Answer:
-    """Return an answer in the log in the form that the window uses."""
+    """Convert an answer from the log's form to the window's form."""
     if isinstance(given, list):
         return tuple(map(str, given))
     if isinstance(given, bool | dict):
@@ -60,5 +60,5 @@ def to_answer(given: JsonValue) -> Answer:
 
 
 def to_json(answer: Answer) -> JsonValue:
-    """Return an answer in the form that the log uses."""
+    """Convert an answer from the window's form to the log's form."""
     return list(answer) if isinstance(answer, tuple) else answer

@@ -28,9 +28,9 @@ class FormSteps:
         self._pages = pages
 
     async def fill_in(self, step: PlannedStep) -> None:
-        """Show a form from its first incomplete page until it is filled in; the person may go back to its first page.
+        """Show a form, from its first incomplete page on, until it is filled in. The person may also go back.
 
-        A page with a time limit is closed once the person has left it.
+        A person cannot return to a page with a time limit.
         """
         form = self._design.forms[step.index]
         pages = list(form.pages(self._design.file.seed, self._pages.person))
@@ -46,12 +46,12 @@ class FormSteps:
                 self._pages.tell(EventKind.WENT_BACK, {"page": part})
 
     def _is_open(self, items: tuple[Item, ...]) -> bool:
-        """Return True if an item of a page has no answer, or an answer that was changed but not submitted."""
+        """Return True if a page has an item without an answer, or with a changed answer that was not submitted."""
         given, drafts = self._pages.run.given, self._pages.run.drafts
         return any(item.id not in given or item.id in drafts or self._is_missing(item) for item in items)
 
     def _is_missing(self, item: Item) -> bool:
-        """Return True if an item still needs an answer."""
+        """Return True if a required item has no answer and its time is not over."""
         run = self._pages.run
         return item.required and run.given.get(item.id) is None and item.id not in run.timed_out
 

@@ -1,4 +1,4 @@
-"""Games of a study at the kiosk: show them, watch them, and show their results."""
+"""Steps of a study in which people play games at the kiosk, with the results of the games."""
 
 import asyncio
 import math
@@ -101,7 +101,7 @@ class GameSteps:
                 await self._pages.read(TextToRead(0, self._pages.texts.text("kiosk.once_more"), text))
 
     async def play(self, step: PlannedStep, how: ResumeRule | None) -> None:
-        """Run the game of a trial. After a crash, `how` says how the game resumes; if None, a new game begins."""
+        """Run the game of a trial. After a crash, `how` is the rule for resuming the game; if None, begin a new one."""
         visit = _Visit(self._pages, self._clock, self._token, practice=False)
         if self._pages.run.game is None:
             goes_on = how is ResumeRule.EXACT
@@ -131,9 +131,9 @@ class GameSteps:
         return played
 
     async def _read_result(self, visit: "_Visit", result: GameRecorded) -> None:
-        """Show that a game has ended until the person continues.
+        """Show the result of a game until the person continues.
 
-        If the window still shows the game, use that page for it.
+        If the window still shows the game, show the result on the same page.
         """
         if visit.page != self._pages.number or visit.page == 0:
             await self._pages.read(result)
@@ -206,7 +206,7 @@ class _Visit:
             self._pages.tell(EventKind.RECORDING_CUT_OFF, {"bag": bag.name})
 
     def check(self) -> None:
-        """Raise the exception that ends more than this game."""
+        """Raise an exception if the run or the program has ended."""
         if self._stopped is not None:
             raise self._stopped
         self._pages.check()
@@ -216,7 +216,7 @@ class _Visit:
         await asyncio.gather(*self._sending, return_exceptions=True)
 
     def _send(self, page: Page) -> int:
-        """Show a page soon; return its number, which is valid at once."""
+        """Schedule showing a page, and return its number at once."""
         shown = self._pages.numbered(page)
         self._say(shown)
         return shown.page

@@ -1,4 +1,4 @@
-"""Games of a study with people: played in the person's window, recorded, and resumed after a crash."""
+"""Games of a study with people, which are played in the person's window, recorded, and resumed after a crash."""
 
 import asyncio
 from collections.abc import Callable, Mapping
@@ -31,7 +31,7 @@ from thbridge.timing.pace_meter import GamePace, PaceMeter
 from ui.first_start.compiling import compile_ahead
 
 SEEN_WITHIN = 10 * TICKS_PER_SECOND
-"""Ticks for which the program waits after the end of a game until the window shows the end."""
+"""Greatest number of ticks for which the program waits until the window shows the end of a game."""
 
 
 class KioskStopped(Exception):  # noqa: N818 - nothing went wrong with the program
@@ -39,10 +39,10 @@ class KioskStopped(Exception):  # noqa: N818 - nothing went wrong with the progr
 
 
 class GameWatcher(Protocol):
-    """Host that takes a person through a game."""
+    """Interface of the host that leads a person through a game."""
 
     def ready(self, where: ListeningAddress) -> None:
-        """Let the window join the game."""
+        """Make the window join the game at this address."""
 
     def passed(self, seconds: float, lag: float, left: float) -> None:
         """Receive the times after each tick, all in seconds.
@@ -54,22 +54,22 @@ class GameWatcher(Protocol):
         """
 
     def still_to_do(self, missing: Mapping[PracticeTerm, float]) -> None:
-        """Receive what must still be done in a practice game, before `passed` of each tick."""
+        """Receive the remaining tasks of a practice game, before `passed` in each tick."""
 
     def time_is_up(self) -> None:
         """Show the person that the time of the game is over."""
 
     def has_left(self) -> bool:
-        """Return True if the person has left the game, or the run or the program ends."""
+        """Return True if the person has left the game, or if the run or the program ends."""
 
     def has_seen_end(self) -> bool:
-        """Return True if the window shows the end."""
+        """Return True if the window shows the end of the game."""
 
     def broken_off(self, bag: Path | None) -> None:
         """Record that a game is abandoned; `bag` is the new path of its recording, or None."""
 
     def cut_off(self, bag: Path) -> None:
-        """Record, once, that a recording ended with its program and that its game is resumed."""
+        """Record once that a recording is incomplete, because its program ended, and that the game is resumed."""
 
 
 class StudyGames:
@@ -86,7 +86,7 @@ class StudyGames:
         self._settings = SettingCache(design.beside)
 
     async def practise(self, run: Run, step: PlannedStep, watcher: GameWatcher) -> PracticeCount:
-        """Play the practice game, which is not recorded; return the actions counted in it."""
+        """Play the practice game, which is not recorded; return the counts of the person's actions."""
         setting = setting_of_practice(self._design, self._settings, run, step)
         count = PracticeCount(step, setting)
 
@@ -110,7 +110,7 @@ class StudyGames:
             goes_on: True to resume the game that an earlier process began; False to start the game again.
 
         Returns:
-            Its entry in the log; None if the game did not reach its end.
+            The game's entry in the log; None if the game did not reach its end.
 
         Raises:
             BadFile: the game cannot be recorded.
@@ -130,7 +130,7 @@ class StudyGames:
             earlier = make_room(bag)
             if not goes_on or (earlier is not None and not log.exists()):
                 _break_off(log, bag, earlier, watcher)
-            # These include games of programs that died before they could record the end of the game.
+            # These include recordings of programs that died before the end of the game.
             for left in moved_aside(bag):
                 watcher.cut_off(left)
             options = self._options(step, setting.study.rate, bag)
@@ -138,7 +138,7 @@ class StudyGames:
                 observer = GameObserver()
                 ended = await self._play(setting, options, watcher, observer.record)
             except GameDiffers:
-                # The log of inputs is from another release or from a changed study, so the game cannot be reproduced.
+                # The log of inputs is from another release or another version of the study, so the game cannot resume.
                 make_room(bag)
                 _break_off(log, bag, earlier, watcher)
                 observer = GameObserver()
@@ -161,7 +161,7 @@ class StudyGames:
         watcher: GameWatcher,
         record: Callable[[TickRecord], None],
     ) -> tuple[HuntOutcome, GamePace] | None:
-        """Play a game and record each tick; return None if it did not reach its end."""
+        """Play a game and record each tick; return None if the game did not reach its end."""
         over_at, last = 0, int(options.max_seconds * TICKS_PER_SECOND)
         meter = PaceMeter()
         warned = ended = False
@@ -207,9 +207,9 @@ def _break_off(log: Path, bag: Path, earlier: Path | None, watcher: GameWatcher)
 
     Args:
         log: log of the abandoned game's inputs.
-        bag: path of the recording of the game that replaces it.
-        earlier: new path of its recording. If None, there is no recording.
-        watcher: host, which is notified.
+        bag: path of the recording of the new game.
+        earlier: new path of the abandoned game's recording. If None, there is no recording.
+        watcher: host that is notified.
     """
     if log.exists():
         log.rename(_inputs_of(earlier or log.with_stem(f"{log.stem}-0")))

@@ -1,6 +1,6 @@
 """Host of the kiosk: shows pages one after the other, and logs all actions of the person at once.
 
-Its only state is the log. After a crash it resumes with the same person at the same step.
+The host's only state is the log. After a crash, the host resumes with the same person at the same step.
 """
 
 import asyncio
@@ -41,7 +41,7 @@ from ui.model.kiosk import (
 
 
 class KioskHost:
-    """Program that takes one person after the other through a study.
+    """Host that leads one person after the other through a study.
 
     Args:
         design: design of the study.
@@ -76,7 +76,7 @@ class KioskHost:
         self.study = HostedStudy(conductor, self._pages)
 
     async def run(self) -> None:
-        """Take people through the study until the window is closed or the program is stopped.
+        """Lead people through the study until the window is closed or the program is stopped.
 
         Raises:
             BadFile: the log or a recording cannot be written, or a text cannot be read.
@@ -84,7 +84,7 @@ class KioskHost:
         await self._host(self._people())
 
     async def preview(self, participant: str, last: int) -> None:
-        """Take a person through the steps up to the one with number `last`, then close the window.
+        """Lead a person through the steps up to number `last`, then close the window.
 
         Raises:
             BadFile: see `run`.
@@ -121,7 +121,7 @@ class KioskHost:
         self._pages.closed = True
 
     async def _end(self, *, failed: bool) -> None:
-        """Close the window. If a person is in the middle of the study, it stays open with a message instead."""
+        """Close the window. If a person is in the middle of the study, leave it open with a message instead."""
         if self._pages.closed or not self._pages.person or self._pages.run.state is not RunState.UNDER_WAY:
             await self._window.send(CloseKiosk())
             return
@@ -130,7 +130,7 @@ class KioskHost:
         self._window.leave_open()
 
     async def _resume(self) -> None:
-        """Resume the run that was in progress when an earlier program died."""
+        """Resume the run that was in progress when an earlier program crashed."""
         runs = list(self._conductor.progress.runs.values())
         for run in unfinished(self._conductor.progress):
             self._pages.person = run.participant
@@ -162,7 +162,7 @@ class KioskHost:
                 return admitted.participant
 
     async def _go_through(self, participant: str, *, again: bool = False) -> None:
-        """Take a person through all remaining steps; `again` is True after an earlier program crashed."""
+        """Lead a person through all remaining steps; `again` is True after a crash of an earlier program."""
         self._pages.person = participant
         with contextlib.suppress(RunOver):
             await self._ask_recruiting_code(again=again)
@@ -186,7 +186,7 @@ class KioskHost:
         return step is not None
 
     async def _do(self, step: PlannedStep, how: ResumeRule | None) -> None:
-        """Run a step. After a crash, `how` says how the step resumes; if None, the step begins."""
+        """Run a step. After a crash, `how` is the rule for resuming the step; if None, begin the step."""
         match step.entry.step:
             case StepKind.CONSENT:
                 await self._text_steps.consent(step)
@@ -223,7 +223,7 @@ class KioskHost:
                 self._conductor.end(self._pages.person, step)
 
     async def _read_last(self, page: TextToRead) -> bool:
-        """Show a page after the end of a run. Return True if the person continued, and False if the researcher did."""
+        """Show a page after the end of a run. Return True if the person continued, False if the researcher did."""
         if not self._pages.admits:
             await self._pages.show(page)
         message: FromKiosk | Woken | None = None
@@ -253,7 +253,7 @@ class KioskHost:
         self._conductor.tell_of_run(EventKind.RECRUITING_CODE, self._pages.person, {"code": code}, "participant")
 
     async def _show_repetition(self, run: Run) -> None:
-        """Show a person who failed a check that the check is repeated; do nothing if it is not."""
+        """Inform a person who failed a check that it is repeated; do nothing if it is not repeated."""
         check = next((step for step in run.plan[run.step - 1 :] if step.number in run.attempts), None)
         if check is None or check.number in run.failed:
             return

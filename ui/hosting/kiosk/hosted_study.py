@@ -1,4 +1,4 @@
-"""Interface of the kiosk for the researcher's desk: requests, and the state that the desk shows."""
+"""Interface between the kiosk and the researcher's desk: requests of the desk, and the state that it shows."""
 
 from collections.abc import Callable
 
@@ -11,7 +11,7 @@ from ui.hosting.kiosk.pages import KioskPages
 
 
 class HostedStudy:
-    """Kiosk as the researcher's desk sees and controls it; see `StudyUnderWay`.
+    """Interface of the kiosk for the researcher's desk; see `StudyUnderWay`.
 
     Args:
         conductor: conductor of the study.
@@ -52,7 +52,7 @@ class HostedStudy:
         return tuple(troubles)
 
     def admit_next(self) -> str | None:
-        """Begin the run of the next person; return a sentence if that is not possible."""
+        """Begin the run of the next person; return a sentence if this is not possible."""
         if under_way := unfinished(self.progress):
             return f"{under_way[0].participant} is still in the study."
         if isinstance(place := self.progress.next_place(), NoPlace):
@@ -67,7 +67,7 @@ class HostedStudy:
         return None
 
     def exclude(self, participant: str, reason: str) -> str | None:
-        """Exclude a run from the data. A person whose run is under way is informed that it ends."""
+        """Exclude a run from the data. If the run is still under way, it ends, and the person is informed."""
         if participant not in self.progress.runs:
             return f"No participant has the id {participant}."
         if self.progress.runs[participant].state is RunState.EXCLUDED:
@@ -90,15 +90,12 @@ class HostedStudy:
         return None
 
     def busy_with(self, participant: str) -> str | None:
-        """Return a sentence that says why a participant cannot withdraw while they are at the kiosk; otherwise None."""
+        """Return a sentence if a participant cannot withdraw, because they are at the kiosk; otherwise None."""
         run = self.progress.runs.get(participant)
         if participant == self._pages.person or (run is not None and run.state is RunState.UNDER_WAY):
             return f"{participant} is still at the kiosk. End the run first, then leave its last page."
         return None
 
     def _other_in(self, reason: str, participant: str) -> str | None:
-        """Return another participant whose id is in a reason.
-
-        The reason would remain after that participant withdraws.
-        """
+        """Return another participant whose id is in a reason, because the reason is kept if they withdraw."""
         return next((other for other in self.progress.runs if other in reason and other != participant), None)

@@ -1,4 +1,4 @@
-"""Pages of the kiosk: shown to the person one after the other; the window's messages are logged at once."""
+"""Pages of the kiosk, which the person sees one after the other. Messages of the window are logged at once."""
 
 import asyncio
 from collections.abc import Callable, Iterator, Mapping
@@ -47,7 +47,7 @@ class WindowOfKiosk(Protocol):
         """Keep the window open inside this context."""
 
     def leave_open(self) -> None:
-        """Leave the window open after that context."""
+        """Leave the window open after the context of `opened`."""
 
 
 class RunOver(Exception):  # noqa: N818 - nothing went wrong with the program
@@ -55,7 +55,7 @@ class RunOver(Exception):  # noqa: N818 - nothing went wrong with the program
 
 
 class Woken:
-    """Message that something changed outside the window."""
+    """Message about a change outside the window."""
 
 
 Page: TypeAlias = TextToRead | ConsentToAsk | FormToFill | GamePrepared | GameToJoin | GameRecorded
@@ -66,17 +66,17 @@ class KioskPages:
 
     Args:
         conductor: conductor of the study.
-        window: window that shows them.
+        window: window that shows the pages.
         texts: texts of the study.
 
     Attributes:
-        changed: called when another page is shown or the lag changes.
+        changed: function that is called when another page is shown, and when the lag changes.
         person: id of the participant at the kiosk; empty if there is none.
         number: number of the shown page.
-        shown: description of the page.
-        lag: time by which a game is behind real time, whole seconds.
+        shown: description of the shown page.
+        lag: time by which the game is behind real time, whole seconds.
         looks_away: True while keys and clicks go to another window.
-        admits: True after the researcher has let the next person begin.
+        admits: True after the researcher has allowed the next person to begin.
         closed: True after the window was closed on purpose.
     """
 
@@ -96,17 +96,17 @@ class KioskPages:
         return self._conductor.progress.runs[self.person]
 
     def note_lag(self, lag: float) -> None:
-        """Show the researcher by how many whole seconds the game is behind real time."""
+        """Set the lag that the researcher sees, in whole seconds."""
         if int(lag) != self.lag:
             self.lag = int(lag)
             self.changed()
 
     def wake(self) -> None:
-        """Make `next` check for changes outside the window."""
+        """Make `next` return a message about a change outside the window."""
         self._messages.put_nowait(Woken())
 
     async def listen(self) -> None:
-        """Receive the messages of the window, without end."""
+        """Receive messages of the window until cancelled."""
         while True:
             self._messages.put_nowait(await self.window.next_request())
 
@@ -115,7 +115,7 @@ class KioskPages:
         await self.window.send(self.numbered(page))
 
     def numbered(self, page: Page) -> Page:
-        """Return a page with the next number, and the person's progress."""
+        """Return a page with the next page number and the person's progress."""
         self.number += 1
         self.shown = words.page(page)
         self.changed()
@@ -123,7 +123,7 @@ class KioskPages:
 
     @property
     def progress(self) -> StudyProgress:
-        """Position of the person among their steps."""
+        """Number of the person's current step, and of all their steps."""
         run = self._conductor.progress.runs.get(self.person)
         if run is None or run.state is not RunState.UNDER_WAY:
             return StudyProgress()
@@ -165,9 +165,9 @@ class KioskPages:
                 yield message
 
     def _taken(self, message: FromKiosk | Woken) -> FromKiosk | Woken | None:
-        """Handle messages that do not depend on the page.
+        """Handle a message that does not depend on the page, and return None.
 
-        Return other messages; None for a message about another page.
+        Return other messages unchanged; return None for a message about another page.
         """
         match message:
             case KioskClosed():

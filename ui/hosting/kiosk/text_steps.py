@@ -1,4 +1,4 @@
-"""Texts of a study that are read at the kiosk, from files of the study."""
+"""Steps of a study in which people read texts at the kiosk; the texts are in files of the study."""
 
 import hashlib
 from pathlib import Path
@@ -56,7 +56,7 @@ class TextSteps:
         return text, path.suffix == ".md"
 
     async def consent(self, step: PlannedStep) -> None:
-        """Show a consent until the person answers it; raise RunOver if they do not agree."""
+        """Show a consent until the person answers; raise RunOver if the person does not agree."""
         if self._pages.run.agrees is None:
             path = self._design.path.parent / (step.entry.text or Path())
             content = read_bytes(path)
@@ -75,7 +75,8 @@ class TextSteps:
         """Send the instructions that the person has read so far, if they changed.
 
         Args:
-            now: current step; misleading instructions for other conditions are left out. If None, no person takes part.
+            now: current step. Instructions for other conditions are left out, because they would mislead. If None, no
+                person takes part.
         """
         read: tuple[PlannedStep, ...] = ()
         if now is not None:

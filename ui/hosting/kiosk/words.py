@@ -1,4 +1,4 @@
-"""Texts of the kiosk's pages: for participants from the language's texts, for researchers in English."""
+"""Texts of the kiosk: for participants in the study's language, for researchers in English."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,18 +17,18 @@ NO_PLACES = {NoPlace.FULL: "full", NoPlace.TAKEN: "taken"}
 
 NO_PLACE_TOLD = {
     NoPlace.FULL: "The study is complete.",
-    NoPlace.TAKEN: "All places of the study are taken by people who are still in it.",
+    NoPlace.TAKEN: "All places of the study are taken by people who are still in the study.",
 }
 """Reasons why the next person cannot begin."""
 
 LAGS = "This computer is too slow: the game is {} s behind real time. Close other programs."
-"""Sentence about a lag in whole seconds."""
+"""Sentence about the lag of a game, in whole seconds."""
 
-NAMES_OTHER = "Do not name {} in the reason: it remains when they withdraw. Write a note instead."
+NAMES_OTHER = "Do not name {} in the reason, because a reason is kept if this person withdraws. Write a note instead."
 
 
 def page(shown: ToKiosk) -> str:
-    """Return a description of a page; its heading is in the participant's language."""
+    """Return a description of a page for the researcher; headings are in the participant's language."""
     match shown:
         case TextToRead(heading=heading) | GameRecorded(heading=heading):
             return heading or "text"
@@ -83,17 +83,17 @@ def repetition(texts: Texts, first: StepKind | None, attempts_left: int) -> str:
 
 
 def to_do(texts: Texts, missing: Mapping[PracticeTerm, float]) -> tuple[str, ...]:
-    """Return sentences about what must still be done in a practice game; `missing` gives the amounts."""
+    """Return sentences about the remaining tasks of a practice game; `missing` has the number for each task."""
     return tuple(texts.text(f"kiosk.to_do_{term}", count=math.ceil(number)) for term, number in missing.items())
 
 
 def practice_again(texts: Texts, still: Iterable[str]) -> str:
-    """Return the text for a person whose practice game ended before all goals were reached."""
+    """Return the text for a person whose practice game ended before all tasks were done."""
     return texts.text("kiosk.still_to_do", tasks=texts.listed(still))
 
 
 def result(texts: Texts, game: Mapping[str, JsonValue] | None) -> str:
-    """Return the text about a game's result, for a person who no longer sees the end of the game."""
+    """Return the text about a game's result, for a person whose window no longer shows the end of the game."""
     ready = texts.text("kiosk.go_on_when_ready")
     if game is None:
         return ready
@@ -129,7 +129,7 @@ def farewell(texts: Texts, run: Run) -> tuple[str, str]:
     thanks, call = texts.text("kiosk.thank_you"), texts.text("kiosk.tell_researcher")
     kept = texts.text("kiosk.kept_under_code", code=run.participant)
     match run.state:
-        # A code shows that they reached the end, even if their run does not count.
+        # A code proves that the person reached the end, even if the run does not count.
         case _ if run.code:
             return thanks, texts.text("kiosk.completed")
         case RunState.DECLINED:
