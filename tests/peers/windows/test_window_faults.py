@@ -105,7 +105,8 @@ def decided(player: Player, room: int) -> None:
 
 
 def troubled(seen: Sight) -> bool:
-    return any(words in one.name for one in seen.things for words in ("connection to the game", "robots are not there"))
+    lost = ("connection to the game", "robots are not connected")
+    return any(words in one.name for one in seen.things for words in lost)
 
 
 def test_a_server_killed_in_the_middle_comes_back_to_the_same_game(

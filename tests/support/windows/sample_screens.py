@@ -66,7 +66,7 @@ _STATES = ("driving", "rest", "waiting", "lost", "rest", "empty")
 
 
 def later(texts: Texts) -> Action:
-    return Action(ShowNext(), texts.text("popups.later"), "Esc", hint="It waits for you.")
+    return Action(ShowNext(), texts.text("popups.later"), "Esc", hint="The treasure waits for you.")
 
 
 @cache

@@ -85,7 +85,7 @@ FAULTS = [
         PERSUASION,
         OPENING,
         "{say: propose, of: topic, next: claimed}",
-        "challenge of claim is never legal here: no claim",
+        "challenge of claim is never legal here: no earlier",
     ),
     (SEEKING, "{say: assert, of: unknown,", "{say: accept, of: claim,", "line 15, stages[1].replies[2].of: accept of"),
     (

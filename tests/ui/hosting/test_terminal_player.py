@@ -79,9 +79,9 @@ def test_a_person_hunts_by_keyboard_alone(seat):
     treasure = next(event for event in seat.hunt.log.events if isinstance(event, TreasuresHidden)).treasures[2]
     assert seat.shown[-2:] == [
         "Robot 1 is in room 3.",
-        f"Room 3: something {', '.join(treasure.properties.values()).lower()}. n 3 NAME names it.",
+        f"Room 3: something {', '.join(treasure.properties.values()).lower()}. n 3 NAME names the treasure.",
     ]
-    assert seat.type("p 3") == ["Room 3: a picture is taken. A terminal cannot show it."]
+    assert seat.type("p 3") == ["Room 3: a picture is taken. The terminal cannot show it."]
     assert seat.type("names") == ["  Blue Bottle, Orange Bottle, Pink can, Yellow can"]
     assert seat.type("n 3 moon") == ["Type one of these names: Blue Bottle, Orange Bottle, Pink can, Yellow can"]
     assert seat.type(f"n 3 {treasure.name.lower()}") == [
@@ -104,7 +104,7 @@ def test_the_name_of_a_room_stands_beside_its_number():
     assert seat.shown[-1].startswith("Room 3 (Kitchen): something ")
     assert "  Robot 1: in room 3 (Kitchen), energy 83" in seat.type("?")
     assert seat.type("l 3")[0].startswith("Room 3 (Kitchen): the treasure is left there.")
-    assert seat.type("p 5") == ["No robot stands in room 5."]
+    assert seat.type("p 5") == ["No robot is in room 5."]
 
 
 def test_the_rules_are_those_of_the_windows_sheet(seat):
@@ -129,9 +129,10 @@ def test_what_is_left_can_be_taken_up_again(seat):
     for line in ("1 3", "c"):
         seat.type(line)
     found = seat.type("c", 40)[-1]
-    assert seat.type("l 3") == ["Room 3: the treasure is left there. u 3 takes it up again, until its robot sets out."]
+    left = "Room 3: the treasure is left there. u 3 takes up the treasure again, until its robot sets out."
+    assert seat.type("l 3") == [left]
     assert seat.type("u 3") == [found]
-    assert found.endswith("n 3 NAME names it.")
+    assert found.endswith("n 3 NAME names the treasure.")
 
 
 def test_stop_sends_nobody(seat):
@@ -146,7 +147,7 @@ def test_stop_sends_nobody(seat):
         ("hello", "  1 4        talk with robot 1 about going to room 4"),
         ("9 3", "There is no such robot."),
         ("1 77", "There is no such room."),
-        ("p 77", "No robot stands in room 77."),
+        ("p 77", "No robot is in room 77."),
         ("n 3 moon", "No treasure has been found yet."),
         ("names", "No treasure has been found yet."),
         ("c", "No robot waits for an answer."),
@@ -214,15 +215,15 @@ def test_a_person_has_more_sensed_and_tells_what_they_see():
     seat.type("1 3")
     seat.type("c", 20)
     kind = next(event for event in seat.hunt.log.events if isinstance(event, TreasuresHidden)).treasures[2]
-    assert "m 3 weight lets the robot sense it for 2 energy." in seat.shown[-1]
-    assert seat.type("m 3 smell") == ["Robots do not sense a property of this name on request."]
-    assert seat.type("t 3 material wood") == ["Too little is known about what is there."]
+    assert "m 3 weight lets the robot sense this property for 2 energy." in seat.shown[-1]
+    assert seat.type("m 3 smell") == ["Robots cannot sense a property with this name."]
+    assert seat.type("t 3 material wood") == ["Too little is known about the treasure in this room."]
     (line,) = seat.type("m 3 weight")
     assert f"{kind.properties['weight']} to lift" in line
     seat.type("p 3")
     seat.type("c")
     assert "t 3 material VALUE reports what you see: wood, metal, ceramic." in seat.type("?")[2]
-    assert seat.type("t 3 age old") == ["People do not report a property of this name here."]
+    assert seat.type("t 3 age old") == ["People cannot report a property with this name here."]
     (line,) = seat.type("t 3 material Wood")
     assert "made of wood" in line
 

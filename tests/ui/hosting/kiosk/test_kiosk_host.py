@@ -296,7 +296,7 @@ def test_whoever_fails_a_check_is_told_so_first_and_reads_the_debriefing(tmp_pat
     assert headings(person)[-4:] == [ends, BEFORE_YOU_GO, ends, "Welcome"]
     first = next(page for page in person.seen if isinstance(page, TextToRead) and page.heading == ends)
     assert first.text == (
-        "The study can go on only after certain answers to the questions, and yours were different. "
+        "The study can go on only after certain answers to the questions, and your answers were different. "
         "You have done nothing wrong. Thank you for your time. On the next page you read what the study was about."
     )
     assert debriefed(laboratory) == [("step-begun", 4), ("step-ended", 4), ("step-begun", 6), ("step-ended", 6)]

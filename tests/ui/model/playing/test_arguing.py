@@ -193,7 +193,7 @@ def test_the_sheet_of_keys_has_those_of_numbered_answers():
     assert "1 to 5" not in dict(help_lines(shipped_texts(), 8))
 
 
-@pytest.mark.parametrize(("who", "told"), [("robot", "Robot 1 has named it by itself. "), ("both", "")])
+@pytest.mark.parametrize(("who", "told"), [("robot", "Robot 1 has named the treasure by itself. "), ("both", "")])
 def test_a_name_that_a_robot_has_given_by_itself_is_told_as_its_own(who, told):
     found = with_room(with_robot(argued(who=who), 0, place=3), 3, state="visited", robot=0, sensed={"colour": "Pink"})
     model = model_of(found)

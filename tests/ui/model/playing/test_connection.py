@@ -38,7 +38,7 @@ def test_a_game_without_news_of_its_robots_stands_still():
     assert link.trouble(ENGLISH, 101.4) is None
     assert (
         link.trouble(ENGLISH, 101.5)
-        == "There is no news from the robots at the moment. The game goes on as soon as there is."
+        == "There is no news from the robots at the moment. The game goes on as soon as news arrives."
     )
     link.receive(102.0)
     assert link.trouble(ENGLISH, 102.0) is None

@@ -368,8 +368,8 @@ def test_a_refusal_is_told_and_takes_back_what_was_shown_for_it():
     seat.do(SelectRoomAct(3))
     agree(seat)
     screen = seat.run(30)
-    assert (screen.banner.kind, screen.banner.text) == ("note", "The robot did not get there.")
-    assert screen.announcement.endswith("The robot did not get there.")
+    assert (screen.banner.kind, screen.banner.text) == ("note", "The robot did not reach the room.")
+    assert screen.announcement.endswith("The robot did not reach the room.")
     assert screen.tiles[2].choose.enabled
     assert seat.run(400).banner is None
 
@@ -404,7 +404,7 @@ def test_energy_that_does_not_do_to_name_what_is_there_is_warned_of():
     assert tile(18.0).warning == "Enough energy to name what is there, but not to take a picture."
     assert tile(23.0).warning == ""
     assert tile(16.0).warning == ""
-    assert tile(16.0).choose.hint == "This costs 17; robot 1 has 16 energy."
+    assert tile(16.0).choose.hint == "This move costs 17; robot 1 has 16 energy."
 
 
 def driving_with(energy):
@@ -419,10 +419,10 @@ def driving_with(energy):
 @pytest.mark.parametrize(
     ("energy", "warning"),
     [
-        (17.0, "too little to name"),
-        (17.5, "too little to name"),
-        (18.0, "too little for a picture"),
-        (22.5, "picture or name only"),
+        (17.0, "no energy for naming"),
+        (17.5, "no energy for naming"),
+        (18.0, "no energy for a picture"),
+        (22.5, "either picture or name"),
         (23.0, ""),
     ],
 )
@@ -529,7 +529,7 @@ def test_what_was_left_is_taken_up_again_until_the_robot_sets_out():
     assert go(seat, 5).cards[0].take_up is None
     assert (
         seat.press(TakeUpTreasureAct()).banner.text
-        == "There is nothing to undo: robot 1 does not stand where you left a treasure."
+        == "There is nothing to undo: robot 1 is not at a treasure that you left."
     )
     assert [type(event) for event in events(seat, TreasureLeft | TreasureTakenUp)] == [
         TreasureLeft,

@@ -70,7 +70,7 @@ def test_a_talk_that_ends_so_is_explained():
     model.receive(with_robot(view(), 0, **THEIRS), 1.0)
     screen = model.screen(1.0)
     assert screen.popup is None
-    assert screen.banner.text.endswith(f"{BACK} You no longer need to discuss where it goes.")
+    assert screen.banner.text.endswith(f"{BACK} You no longer need to discuss where this robot goes.")
 
 
 @pytest.mark.parametrize(
@@ -129,7 +129,7 @@ def test_a_participant_without_any_robot_of_their_own_is_told_what_is_left_to_do
     seat.now += 10.0
     assert (
         seat.screen.banner.text
-        == "Others command all robots at the moment. You name what the robots find, and can ask for them back."
+        == "Others command all robots at the moment. You can name what the robots find, and ask for the robots back."
     )
 
 
@@ -180,7 +180,7 @@ def test_what_a_station_leaves_unnamed_stays_on_the_table():
     seat.hunt.session.ask("station", StationSend(0, 4))
     screen = seat.run(6)
     assert screen.banner.text == (
-        "Robot 1 was sent on, and what it found stays in room 3. You can still say what it is."
+        "Robot 1 was sent on, and what it found stays in room 3. You can still name the treasure."
     )
     assert (screen.popup.room, screen.popup.title) == (3, "Robot 1 found something in room 3 and was sent on")
     assert screen.popup.picture_note == "No picture was taken."

@@ -179,7 +179,7 @@ def test_motions_change_the_screen_as_if_all_of_it_were_made_again(game, act, mo
         (RobotMotion("waiting"), "waiting for another robot"),
         (RobotMotion("waiting", 1, makes_way_for=1), "making way for robot 2"),
         (RobotMotion("driving", None, 0.5, makes_way_for=1), "making way for robot 2"),
-        (RobotMotion("clearing"), "getting free"),
+        (RobotMotion("clearing"), "trying to get free"),
         (RobotMotion("planning"), "looking for a path to room 3"),
     ],
 )
@@ -213,7 +213,7 @@ def test_a_robot_that_came_to_rest_is_at_the_end_of_its_way_until_the_game_knows
     ("changes", "state"),
     [
         ({"condition": Condition.SILENT}, "does not answer"),
-        ({"condition": Condition.LOST, "moving_to": 3}, "lost, looking for its place"),
+        ({"condition": Condition.LOST, "moving_to": 3}, "lost, looking for its position"),
         ({"condition": Condition.LOST}, "lost, does not know where it is"),
         ({"energy": 0.0, "blocked": True}, "no energy left"),
         ({"energy": 3.0}, "not enough energy for any room"),
@@ -247,7 +247,7 @@ def test_a_talk_about_a_room_warns_as_its_tile_does():
     poor = with_robot(view(dialogues=(asking(0, 3),)), 0, energy=7.5)
     screen = model_of(poor).screen(0.0)
     assert screen.popup.warning == "Enough energy to get there, but not to name what is there."
-    told = "Costs 5; robot 1 keeps 2.5. Enough energy to name what is there, but not to take a picture."
+    told = "Costs 5; robot 1 then has 2.5 left. Enough energy to name what is there, but not to take a picture."
     assert screen.tiles[0].choose.hint == told
 
 
@@ -266,7 +266,7 @@ def test_a_room_warns_of_what_the_energy_left_there_does_not_suffice_for(left, w
     assert screen.popup.warning == screen.tiles[1].warning == warning
     standing = model_of(with_robot(view(), 0, energy=9.0 + left)).screen(0.0).tiles[1]
     assert standing.choose.enabled
-    assert standing.choose.hint == f"Costs 9; robot 1 keeps {left:g}. {warning}".rstrip()
+    assert standing.choose.hint == f"Costs 9; robot 1 then has {left:g} left. {warning}".rstrip()
 
 
 def test_what_a_robot_under_way_could_do_is_counted_from_where_it_would_stop():
@@ -275,7 +275,7 @@ def test_what_a_robot_under_way_could_do_is_counted_from_where_it_would_stop():
     tiles = model.screen(0.0).tiles
     assert [tile.choose.enabled for tile in tiles] == [True, False, False]
     assert [tile.cost for tile in tiles] == [5.0, 9.0, None]
-    assert tiles[1].choose.hint == "This costs 9; robot 1 has 8 energy."
+    assert tiles[1].choose.hint == "This move costs 9; robot 1 has 8 energy."
     assert tiles[0].choose.hint == "Robot 1 is on its way to room 3 and would be stopped first."
 
 
@@ -464,7 +464,7 @@ def test_a_game_that_stands_still_is_said_so_and_no_more_when_it_moves():
     assert model.screen(1.4).banner is None
     assert (
         model.screen(1.6).banner.text
-        == "There is no news from the robots at the moment. The game goes on as soon as there is."
+        == "There is no news from the robots at the moment. The game goes on as soon as news arrives."
     )
     model.receive(where(2), 1.7)
     assert model.screen(1.7).banner is None
@@ -475,7 +475,8 @@ def test_robots_that_are_not_there_are_said_so_in_the_middle_of_a_game():
     model.receive(view(ready=False), 1.0)
     screen = model.screen(1.0)
     assert screen.phase is Phase.PLAYING
-    assert screen.banner.text == "The robots are not there at the moment. The game goes on as soon as they are."
+    away = "The robots are not connected at the moment. The game goes on as soon as they are back."
+    assert screen.banner.text == away
 
 
 def test_a_refusal_is_shown_for_some_seconds_and_only_once():
@@ -556,7 +557,7 @@ def test_the_end_says_why_and_what_came_of_it():
     assert screen.ending.lines == (
         "No robot has the energy for another move.",
         "2 of 3 rooms visited. 1 treasure named, 1 correctly.",
-        "Room 1: left where it was.",
+        "Room 1: the treasure was left there.",
         "Room 3: Can is right, 20 points won.",
         "Thank you for playing.",
     )
@@ -586,7 +587,7 @@ def test_the_end_tells_what_was_in_the_rooms_and_what_was_possible_where_the_stu
     ending = model_of(structs.replace(played, score=-30, over="given-up", debrief=told)).screen(0.0).ending
     assert ending.lines[2:] == (
         "With the same energy, 60 points were possible.",
-        "Room 1: left where it was. It was beer bottle, 20 points.",
+        "Room 1: the treasure was left there. It was beer bottle, 20 points.",
         "Room 2: not visited; it held can, 10 points.",
         "Room 3: Can is wrong, 30 points lost. It was ball, 30 points.",
         "Thank you.\nPlease fetch the researcher.",
@@ -720,8 +721,8 @@ def test_a_change_of_goal_is_asked_without_the_price_that_the_room_has_told():
     model.do(SelectRoomAct(1), 0.0)
     text = model.screen(0.0).confirmation.text
     assert text == (
-        "Robot 1 is on its way to room 3. If it stops, it gets back the energy for the rest of that path, about 7. "
-        "Then it asks you about room 1."
+        "Robot 1 is on its way to room 3. If you stop the robot, it gets back about 7 energy for the rest of that "
+        "path. Then it asks you about room 1."
     )
 
 

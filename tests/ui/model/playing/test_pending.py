@@ -92,7 +92,7 @@ def test_what_can_not_come_true_any_more_is_dropped_with_its_reason():
     assert pending.receive(shipped_texts(), taken) == ("Robot 2 is on its way there.",)
     pending.ask(TakeUpTreasure(3), with_room(STANDING, 3, left=True))
     gone = with_robot(with_room(STANDING, 3, left=True), 0, moving_to=2)
-    assert pending.receive(shipped_texts(), gone) == ("No robot stands there.",)
+    assert pending.receive(shipped_texts(), gone) == ("No robot is in this room.",)
     assert pending.requests == ()
 
 

@@ -17,7 +17,7 @@ def sheet(**fields: object) -> str:
     [
         (None, "A wrong name may lose points."),
         (0.0, "A wrong name loses no points."),
-        (1.0, "A wrong name loses as many points."),
+        (1.0, "A wrong name loses the same number of points."),
         (0.125, "A wrong name loses 12.5% of these points."),
         (0.001, "A wrong name loses 0.1% of these points."),
     ],
@@ -29,7 +29,7 @@ def test_the_share_lost_for_a_wrong_name_is_the_games(share: float | None, told:
 def test_moves_are_those_to_rooms() -> None:
     costs = ((None, 12.0, 40.0), (2.0, None, 20.0), (99.5, 30.0, None))
     rooms = view().rooms[:2]
-    assert "A move costs energy, between 12 and 40, a picture" in sheet(costs=costs, rooms=rooms)
+    assert "A move costs 12 to 40 energy, a picture" in sheet(costs=costs, rooms=rooms)
 
 
 def test_moves_priced_by_position_are_told_from_room_to_room() -> None:

@@ -331,8 +331,8 @@ def test_what_leads_on_stands_below_the_items_where_they_scroll_too(opened: Open
 def test_of_several_answers_it_is_told_that_there_may_be(opened: Opened) -> None:
     form = opened.form("hand", "used")
     told = {one.item.id: [label.text() for label in one.findChildren(QLabel)] for one in form.panels}
-    assert "You may choose more than one." in told["used"]
-    assert "You may choose more than one." not in told["hand"]
+    assert "You may choose several answers." in told["used"]
+    assert "You may choose several answers." not in told["hand"]
 
 
 def test_the_next_person_begins_with_text_and_sound_as_usual(opened: Opened) -> None:
