@@ -1,1 +1,1 @@
-"""Windows: Qt and pyqtgraph, imported only when a window opens."""
+"""Windows, made with Qt and pyqtgraph. These packages are imported only when a window opens."""

@@ -1,4 +1,4 @@
-"""Qt application of a window's program."""
+"""Qt application of a program with windows."""
 
 import gc
 import signal

@@ -1,4 +1,4 @@
-"""Layout of widgets in rows, like words in lines."""
+"""Layout that arranges widgets in rows, as text arranges words in lines."""
 
 from PySide6.QtCore import QPoint, QRect, QSize, Qt
 from PySide6.QtWidgets import QLayout, QLayoutItem

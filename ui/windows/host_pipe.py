@@ -30,7 +30,7 @@ class HostPipe(QObject, Generic[FromHostT, FromWindowT]):
     """Pipes to and from the host.
 
     Args:
-        protocol: the messages.
+        protocol: protocol of the messages between host and window.
     """
 
     def __init__(self, protocol: WindowProtocol[FromHostT, FromWindowT]) -> None:

@@ -1,4 +1,4 @@
-"""Participant's program. It communicates with the server, in a separate thread from that of the window.
+"""Participant's program. It communicates with the server in its own thread, separate from the window's thread.
 
 In each frame, the window takes the events received so far and replaces its open requests. The threads share no other
 data.
@@ -106,13 +106,13 @@ class ParticipantLink:
         return [self._events.popleft() for _ in range(len(self._events))]
 
     def request(self, requests: tuple[ParticipantRequest, ...]) -> None:
-        """Replace the open requests. The link sends each of them again until the server grants it."""
+        """Replace the open requests. The link sends each request again until the server grants the request."""
         self._requested = requests
 
     def decline(self) -> None:
         """Report to the server that the participant declines to take part.
 
-        If the link is stopped afterward, it still sends this message first.
+        If the link is then stopped, it sends this message before it stops.
         """
         self._declined = True
 

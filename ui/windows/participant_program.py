@@ -499,7 +499,7 @@ def play_at(host: str, port: int, token: str, choice: look.Choice, key: ClientKe
 
 
 def play_hosted(choice: look.Choice) -> int:
-    """Open the window of the host at standard input and output. Return the exit code when the window is closed."""
+    """Open the window for its host, which uses standard input and output. Return the exit code after it is closed."""
     app = application()
     pipe = HostPipe(LOBBY)
     table = _table(app, choice, pipe.send)

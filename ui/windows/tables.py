@@ -82,7 +82,7 @@ class TextModel(TableModel):
 
 
 class GrowingModel(TextModel):
-    """Model with a growing list of rows of texts. Some rows may also change. The selection does not change."""
+    """Model with a growing list of rows of texts. Some rows may also change. The selected rows stay selected."""
 
     def show_rows(self, texts: Sequence[tuple[str, ...]]) -> bool:
         """Show these rows; return False if they are already shown."""

@@ -15,9 +15,9 @@ GOAL_RADIUS = 5.0
 CHOSEN_RADIUS = 16.0
 """Radius of the circle around the chosen start pose, pixels."""
 CORNER = QRectF(-4.5, -4.5, 9.0, 9.0)
-"""Square at each corner of the chosen room, pixels."""
+"""Square that marks a corner of the chosen room, pixels."""
 DIAMOND = QPolygonF([QPointF(6.0, 0.0), QPointF(0.0, 6.0), QPointF(-6.0, 0.0), QPointF(0.0, -6.0)])
-"""Sign of a door, pixels."""
+"""Diamond that marks a door, pixels."""
 AHEAD = 14.0
 """Length of the line that shows a pose's heading, pixels."""
 

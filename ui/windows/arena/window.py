@@ -38,9 +38,9 @@ from ui.windows.untrusted_text import title_text
 REACH = 12.0
 """Greatest distance of a press from the goal, corner or start pose that it grabs, pixels."""
 STEP = 0.1
-"""Distance that a key moves the chosen goal or start pose, meters."""
+"""Distance by which a key moves the chosen goal or start pose, meters."""
 TURN = np.pi / 12
-"""Angle that a key turns the chosen goal or start pose, radians."""
+"""Angle by which a key turns the chosen goal or start pose, radians."""
 ARROWS = {
     Qt.Key.Key_Left: (-STEP, 0.0),
     Qt.Key.Key_Right: (STEP, 0.0),
@@ -52,7 +52,7 @@ TOOLS = {
     ArenaTool.ROOM: (
         "Draw room",
         "R",
-        "Drag a box. Its free floor becomes a room, without walls and without parts of other rooms.",
+        "Drag a box. The free floor in the box becomes a room, except parts of other rooms.",
     ),
     ArenaTool.CUT: ("Cut room", "C", "Drag a line across a room to divide the room into two."),
     ArenaTool.START: ("Add start", "S", "Click the place where another robot should start."),
@@ -64,7 +64,7 @@ HELP = (
 
 
 class ArenaWindow(QMainWindow):
-    """Window of an arena.
+    """Window for drawing an arena.
 
     Args:
         name: name of the map.

@@ -23,7 +23,7 @@ from ui.command_line.terminal import THBRIDGE
 from ui.windows.look import GAP, fixed_font, follow_text, label, px, spaced
 
 STOP_TIMEOUT = 5000
-"""Milliseconds after a request to stop, after which a command that still runs is killed."""
+"""Milliseconds that a command has to stop by itself before it is killed."""
 
 
 class CommandBox(QDialog):

@@ -1,4 +1,4 @@
-"""Program of the desk. The program that runs the study starts it, or it only watches a study's folder."""
+"""Program of the desk. It is hosted by the program that runs the study, or it only watches the study's folder."""
 
 from PySide6.QtCore import QObject, QTimer
 
@@ -76,7 +76,7 @@ class LogWatch(QObject):
 
 
 def show_hosted(folder: ExperimentFolder, choice: Choice) -> int:
-    """Open the desk of the host at standard input and output. Return the exit code when the desk is closed."""
+    """Open the desk for its host, which uses standard input and output. Return the exit code after it is closed."""
     app = application()
     preferences = preferences_of(app, "desk", choice)
     desk = DeskWindow(CLOSING, folder)

@@ -148,7 +148,7 @@ class DeskWindow(QMainWindow):
         self.note = QLineEdit(placeholderText="Note for the log; press Enter to add it")
         self.note.setAccessibleName("Note")
         self.note.returnPressed.connect(self._write_note)
-        self.about = QCheckBox("about the selected run")
+        self.about = QCheckBox("Note about the selected run")
         self.next = self._button("Next participant ...", "Ctrl+N", self._ask_next)
         self.end = self._button("End run ...", "Ctrl+E", self._ask_end)
         self.exclude = self._button("Exclude run ...", "Ctrl+D", self._ask_exclude)
@@ -205,7 +205,7 @@ class DeskWindow(QMainWindow):
         return next((run for run in self._runs if run.participant == self._chosen), None)
 
     def select(self, participant: str) -> None:
-        """Select a run."""
+        """Select the run of this participant."""
         self.runs.selectRow(self._row(participant))
 
     def _row(self, participant: str) -> int:
@@ -261,7 +261,7 @@ class DeskWindow(QMainWindow):
         self.note.setToolTip(off)
         self.about.setEnabled(not no_run)
         self.about.setToolTip(no_run)
-        self.about.setText(f"about {run.participant}" if run is not None else "about the selected run")
+        self.about.setText(f"Note about {run.participant}" if run is not None else "Note about the selected run")
         self._why.setText(no_next)
         self._why.setVisible(bool(no_next))
 

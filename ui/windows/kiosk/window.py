@@ -72,7 +72,7 @@ After the first warning, the remaining seconds are shown.
 def time_words(texts: Texts, seconds: int) -> str:
     """Return the remaining time in words.
 
-    It is in whole minutes, and in seconds only near the end, so that people do not watch a running clock.
+    The time is in whole minutes, and in seconds only near the end, so that people do not watch a running clock.
     """
     if seconds > WARNINGS[0]:
         return texts.text("kiosk.minutes_left", count=math.ceil(seconds / 60))
@@ -477,7 +477,7 @@ class KioskWindow(QMainWindow):
         self._send(StoppedTakingPart())
 
     def _end(self) -> None:
-        """Close without asking."""
+        """Close the window without a question."""
         self._leaving = True
         self.close()
 
@@ -512,7 +512,7 @@ class KioskProgram:
 
     Args:
         app: the application.
-        choice: choice of colors.
+        choice: light, dark, or the system's colors.
         send: function that sends a message to the host.
         windowed: True for a window of normal size, False for the full screen.
         title: title of the window. If empty, the window has the usual title.
@@ -562,7 +562,7 @@ class KioskProgram:
 
 
 def open_kiosk(choice: look.Choice, *, windowed: bool, title: str = "") -> int:
-    """Open the window of the host at standard input and output. Return the exit code when the window is closed."""
+    """Open the window for its host, which uses standard input and output. Return the exit code after it is closed."""
     app = application()
     pipe = HostPipe(KIOSK)
     pipe.listen(KioskProgram(app, choice, pipe.send, windowed=windowed, title=title))

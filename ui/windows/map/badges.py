@@ -132,7 +132,7 @@ class Badge:
 
 
 class Badges:
-    """Cache of labels as pictures."""
+    """Cache of the pictures of labels."""
 
     def __init__(self) -> None:
         self._made: dict[tuple[BadgeText, float, str, float], Badge] = {}

@@ -93,7 +93,7 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
             self.childGroup.setTransform(QTransform(exact.m11(), 0.0, 0.0, -exact.m11(), x, y))
 
     def resizeEvent(self, event: QGraphicsSceneResizeEvent) -> None:
-        """Show the same middle at the same scale, or still the whole map."""
+        """Keep the scale and the middle of the view. If the whole map was shown, show it in the new size."""
         middle, scale = self.middle, event.oldSize().width() / self.viewRect().width()
         super().resizeEvent(event)
         if self.fitted:
@@ -121,7 +121,7 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         self.setRange(view, padding=0.0)
 
     def _limit(self, view: QRectF) -> None:
-        """Keep the middle of the view on the map, and its scale within bounds."""
+        """Keep the middle of the view on the map, and the scale within its bounds."""
         width, height = self.rect().width(), self.rect().height()
         widest = self.fit_scale() * LEAST_FIT
         x, y = view.width() / 2.0, view.height() / 2.0

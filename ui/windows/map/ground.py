@@ -22,12 +22,12 @@ MARGIN = 0.25
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Picture:
-    """Painted piece of the map.
+    """Picture of a part of the map.
 
     Attributes:
         pixmap: the picture.
-        to_pixels: transform from map meters to its logical pixels.
-        words: (m, 4) boxes of text in it: left, top, right and bottom, logical pixels.
+        to_pixels: transform from map meters to logical pixels of the picture.
+        words: (m, 4) boxes of text in the picture: left, top, right and bottom, logical pixels.
     """
 
     pixmap: QPixmap

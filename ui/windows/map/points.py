@@ -35,13 +35,13 @@ def pieces(points: FloatArray) -> list[FloatArray]:
 
 
 def steps(points: FloatArray) -> FloatArray:
-    """Return (m, 4) lines between successive ones of (n, 2) points; no line begins or ends at a row of NaN."""
+    """Return (m, 4) lines between neighbors in a sequence of (n, 2) points; no line begins or ends at a row of NaN."""
     lines: FloatArray = np.concatenate((points[:-1], points[1:]), axis=1)
     return lines[~np.isnan(lines).any(axis=1)]
 
 
 def draw_lines(painter: QPainter, lines: FloatArray) -> None:
-    """Draw (n, 4) lines: x, y of one end and of the other."""
+    """Draw (n, 4) lines, each given by x and y of its two ends."""
     if len(lines):
         memory = np.ascontiguousarray(lines)
         first = cast(QLineF, Shiboken.wrapInstance(memory.ctypes.data, QLineF))

@@ -32,7 +32,7 @@ TRAIL_ALPHA = 0.5
 """Opacity of a trail at its newest end."""
 
 LABEL_MARGIN = 40.0
-"""Greatest distance between the view and a robot outside it that gets a label, pixels."""
+"""Greatest distance of a robot from the view at which the robot has a label in the view, pixels."""
 
 JUMP = 1.0
 """Distance between a robot's positions in two frames, above which the robot has jumped and not driven, meters."""
@@ -87,7 +87,7 @@ class _Body:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Place:
-    """Place of a robot on the screen; boxes in logical pixels of the map's box.
+    """Place of a robot on the screen. All boxes are in logical pixels of the map's box.
 
     Attributes:
         mark: the robot.
@@ -114,7 +114,7 @@ class _Place:
 
 
 class Robots(MapItem):
-    """All robots. Items that are flat on the floor are drawn first, labels last.
+    """Item that draws all robots. Marks on the floor are drawn first, and labels last.
 
     While robots stand still, nothing is painted: `show_robots` repaints only the parts that changed.
 
@@ -360,8 +360,8 @@ def _changed(to_pixels: QTransform, before: _Place, now: _Place) -> Iterator[QRe
         yield from (before.trail, now.trail)
     rest = len(new.path) - 1
     if 0 < rest < len(old.path) and np.array_equal(old.path[-rest:], new.path[1:]):
-        # Dashes are counted from the far end. Therefore only the near end changes, and the dash at the first kept
-        # point.
+        # Dashes are counted from the far end. Therefore only the near end changes, and the dash at the first
+        # point that is kept.
         used = np.concatenate((old.path[: len(old.path) - rest + 1], new.path[:1]))
         yield _around(to_pixels, used, DASH + 3.0)
     else:

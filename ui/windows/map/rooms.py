@@ -118,7 +118,7 @@ def _paint_edge(painter: QPainter, to_pixels: QTransform, mark: RoomMark, palett
 
 
 def _from_corner() -> FloatArray:
-    """Return (n, 2) places in a unit square, beginning with those nearest to the corner (0, 0)."""
+    """Return (n, 2) places in a unit square, beginning with the places nearest to the corner (0, 0)."""
     shares = np.linspace(0.0, 1.0, POSITIONS)
     places: FloatArray = np.stack(np.meshgrid(shares, shares), axis=-1).reshape(-1, 2)
     return places[np.argsort(places.sum(axis=1), kind="stable")]
@@ -321,7 +321,7 @@ def _paint_sign_of_usual_size(painter: QPainter, mark: RoomMark, palette: Palett
 
 
 def _pattern(state: str, palette: Palette, ratio: float) -> QBrush:
-    """Return a brush: stripes for a reserved room, dots for a visited one.
+    """Return a brush with stripes for a reserved room, or with dots for a visited room.
 
     Filling a room with a tile is faster than drawing single strokes.
     """

@@ -13,12 +13,14 @@ SHORTEST = 60.0
 """Smallest length of a bar, pixels at the usual size of text."""
 
 LONGEST = 2.5 * SHORTEST
-"""Greatest length of a bar: each possible length is at most 2.5 times the previous one."""
+"""Greatest length of a bar, because each possible length is at most 2.5 times the previous length."""
 
 
 class ScaleBar(MapItem):
-    """Scale bar in the lower right corner, whose length is a round number of meters. pyqtgraph's own bar has a fixed
-    length."""
+    """Scale bar in the lower right corner. Its length is a round number of meters.
+
+    The length of pyqtgraph's own bar is fixed.
+    """
 
     def boundingRect(self) -> QRectF:
         """Return the lower right corner, with space for the longest bar."""

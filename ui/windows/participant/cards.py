@@ -43,7 +43,7 @@ class CardFace(ParticipantButton):
         self._button_width = 0
 
     def nextCheckState(self) -> None:
-        """Do nothing, because the game and not a press decides whether the card is checked."""
+        """Do nothing, because only the game decides whether the card is checked."""
 
     def show_card(self, card: RobotCard, button_width: int) -> None:
         """Show this robot's card; keep `button_width` free for the button in the first line below the bar."""
@@ -229,11 +229,11 @@ class Card(ActionWidget):
         return 0 if action is None else button.sizeHint().width() + GAP
 
     def sizeHint(self) -> QSize:
-        """Return the size hint of the face."""
+        """Return the size hint of the card without buttons."""
         return self.face.sizeHint()
 
     def minimumSizeHint(self) -> QSize:
-        """Return the minimum size hint of the face."""
+        """Return the minimum size hint of the card without buttons."""
         return self.face.minimumSizeHint()
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
@@ -264,7 +264,7 @@ class Cards(ActionWidget):
         self.cards: list[Card] = []
 
     def height_to_come(self) -> int:
-        """Return the height by which the cards may still grow, logical pixels.
+        """Return the height by which the cards may grow later, logical pixels.
 
         After another commander has taken one robot, this commander may take every robot. The layout keeps this height
         free below the cards, so that the rooms below never move while the pointer is on them.

@@ -46,7 +46,7 @@ class SideColumn(ActionWidget):
         return QSize(px(336), 480)
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Divide the height."""
+        """Divide the new height between robots and rooms."""
         self._place()
 
     def event(self, event: QEvent) -> bool:

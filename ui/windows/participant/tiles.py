@@ -31,7 +31,7 @@ _TALLEST = 1.5
 
 
 class Tile(ParticipantButton):
-    """Button of a room, with the room's number, which is also its key, a sign of its state, and its cost or find.
+    """Button of a room, with the room's number, a sign of the state, and the cost or the find. The number is the key.
 
     Attributes:
         looked_at: signal: the pointer has entered or left the tile, or the tile has got or lost the focus.

@@ -18,7 +18,7 @@ _SPARE = 50
 
 
 class TopStrip(ActionWidget):
-    """Strip with the score, time and remaining rooms on the left, and the tools on the right or, if narrow, below."""
+    """Strip with the score, time and remaining rooms, and with the tools to the right of them or, if narrow, below."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)

@@ -131,7 +131,7 @@ class ParticipantWindow(QWidget):
         # robot.
         self._selected_at = -ANSWER_DELAY
         self._acting = False
-        # Time at which the pop-up appeared that was visible when the currently held key was pressed.
+        # Time of appearance of the pop-up that was visible when the currently held key was pressed.
         self._pressed_since = self._opened_at
         self.setWindowTitle(self._texts.text("window.title"))
         self.setMinimumSize(760, 420)
@@ -181,7 +181,7 @@ class ParticipantWindow(QWidget):
         around = QVBoxLayout(self)
         around.setContentsMargins(0, 0, 0, 0)
         around.addWidget(self.pages)
-        # It is not a child of the stack of pages, because screen readers find only the current page in the stack.
+        # The overlay is not a child of the stack of pages, because screen readers find only the current page there.
         self.overlay = ModalOverlay(self)
         self._connect()
 
@@ -206,7 +206,7 @@ class ParticipantWindow(QWidget):
 
     @property
     def regions(self) -> list[QWidget]:
-        """Regions that F6 visits, in reading order. If an overlay or a page is shown, it is the only region."""
+        """Regions that F6 visits, in reading order. If an overlay's panel or a page is shown, it is the only region."""
         if self.overlay.isVisible():
             return [panel for panel in (self.question, self.help, self.large) if panel.isVisible()]
         if self._screen is not None and self._screen.phase in self._page_of:
@@ -391,7 +391,7 @@ class ParticipantWindow(QWidget):
     # Keys and focus ---------------------------------------------------------------------------------------------------
 
     def event(self, event: QEvent) -> bool:
-        """Ignore arrow keys that are held since before a pop-up appeared.
+        """Ignore arrow keys that a person already held when a pop-up appeared.
 
         They were meant for other parts, so the pop-up's list must not receive them.
         """

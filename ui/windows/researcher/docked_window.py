@@ -88,8 +88,8 @@ class DockedWindow(QMainWindow):
     Signals:
         tool_selected: a person selected this tool.
         robot_stepped: select the next (1) or the previous (-1) robot.
-        kill, revive, clear_costmaps, follow_toggled, fit: actions of the buttons of these names.
-        speed_stepped: faster (1) or slower (-1).
+        kill, revive, clear_costmaps, follow_toggled, fit: a person pressed the button of this name.
+        speed_stepped: play faster (1) or slower (-1).
         jumped: go to the next (1) or the previous (-1) mark.
         jumped_to_end: go to the end (1) or the beginning (-1).
         bookmark_toggled: set a bookmark at the time shown, or remove it.
@@ -294,7 +294,7 @@ class DockedWindow(QMainWindow):
         Args:
             title: title and object name of the dock.
             part: content of the dock.
-            area: side of the window. If None, the caller makes the dock a tab of another one.
+            area: side of the window. If None, the caller makes the dock a tab of another dock.
             keeps_room: True to keep the part's space while another tab is in front; False to let the group of tabs
                 shrink.
         """
@@ -449,7 +449,7 @@ class DockedWindow(QMainWindow):
             self._action("One step back", ",", lambda: self.playback.stepped.emit(-1))
             self._action("To the beginning", "Home", lambda: self.jumped_to_end.emit(-1))
             self._action("To the end", "End", lambda: self.jumped_to_end.emit(1))
-            self._action("Type a time", "Ctrl+T", self.playback.ask_time)
+            self._action("Go to a typed time", "Ctrl+T", self.playback.ask_time)
             self._action("Previous mark", "PgUp", lambda: self.jumped.emit(-1))
             self._action("Next mark", "PgDown", lambda: self.jumped.emit(1))
         for display, switch in SWITCHES.items():

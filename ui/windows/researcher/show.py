@@ -82,7 +82,7 @@ def show(opened: OpenedFeed | None, choice: Choice) -> None:
     """Show a recording or session. Return when its window and all windows opened from it are closed.
 
     Args:
-        opened: recording or session to show. If None, ask for one first.
+        opened: recording or session to show. If None, the dialog *Open* asks for it first.
         choice: light, dark, or the system's colors.
     """
     app = application()

@@ -127,7 +127,7 @@ class ToolController:
         if self._window.tool is MapTool.CARRY:
             robot = self._robot_near(x, y)
             if robot is None:
-                self._window.show_status("No robot is there. Press the button on a robot and drag the robot.")
+                self._window.show_status("No robot is there. Press the mouse button on a robot, and drag the robot.")
                 return
             self._select(robot)
             self._preview.body = self._bodies.get(robot)

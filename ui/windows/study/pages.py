@@ -1,4 +1,4 @@
-"""Pages of the study window, for a section, search results, and the file as text."""
+"""Pages of the study window that show a section, search results, or the file as text."""
 
 from collections.abc import Callable, Iterator
 from functools import partial

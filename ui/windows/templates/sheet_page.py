@@ -49,7 +49,7 @@ class SheetPage(QWidget):
         changed: a person changed the sheet; with the new texts of the changed files.
 
     Args:
-        name: name of a row's kind, such as `treasure`.
+        name: name of the kind of rows, such as `treasure`.
         sheet: function that returns the sheet for the current texts; None if the texts cannot be read as a sheet.
 
     Attributes:
@@ -156,7 +156,7 @@ class SheetPage(QWidget):
         if sheet is None:
             return
         if self.table.currentRow() < 0:
-            self._meaning.setText("Select a cell and type, or press F2.")
+            self._meaning.setText("Select a cell and type a new value, or press F2 to edit the value.")
             return
         column = sheet.columns[item.column()]
         wrong = f"⚠ {item.toolTip()} " if item.toolTip() else ""

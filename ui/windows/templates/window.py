@@ -402,7 +402,7 @@ class TemplateWindow(QMainWindow):
         try:
             data = Path(picked).read_bytes()
         except OSError as error:
-            self._show_problem(f"{picked}: cannot be read ({error.strerror}).")
+            self._show_problem(f"{picked}: cannot be read ({error.strerror}). Choose another file.")
             return
         if QPixmap().loadFromData(data):
             # Replace blanks, because the list of treasures does not allow blanks in file names.

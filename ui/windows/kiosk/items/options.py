@@ -70,7 +70,7 @@ class OptionButton(ActionButton):
 
 
 class PointsField(AnswerField):
-    """Field with the points of a scale. Either each point has a word, or only the first and the last."""
+    """Field with the points of a scale. Either each point has a word, or only the first and the last point."""
 
     def __init__(self, item: FormItem, texts: Texts) -> None:
         super().__init__(item, texts)
@@ -131,7 +131,7 @@ class PointsField(AnswerField):
 
 
 class ChoiceField(AnswerField):
-    """Field with options, of which a person chooses one or several."""
+    """Field with options. A person chooses one or several options."""
 
     def __init__(self, item: FormItem, texts: Texts) -> None:
         super().__init__(item, texts)

@@ -216,7 +216,7 @@ class FormPage(QWidget):
                 self.go_on.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def _pass(self, panel: ItemPanel) -> None:
-        """Go from an item to the next one."""
+        """Go from an item to the next item."""
         at = self.panels.index(panel) + 1
         target = self.panels[at].focus_target() if at < len(self.panels) else self.go_on
         target.setFocus(Qt.FocusReason.TabFocusReason)

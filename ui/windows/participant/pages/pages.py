@@ -31,7 +31,7 @@ FILLS = 1000
 
 
 def page_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
-    """Return the keys of every page, with descriptions, for people who move from button to button."""
+    """Return the keys that work on every page, with descriptions, for people who move from button to button."""
     ctrl, space, enter = (shown_key(texts, key) for key in ("Ctrl", "Space", "Enter"))
     return (
         (texts.text("pages.keys_arrows"), texts.text("pages.key_arrows", space=space, enter=enter)),
@@ -41,7 +41,7 @@ def page_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
 
 
 def window_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
-    """Return the keys of the game's window that are not keys of the game, with descriptions."""
+    """Return the keys of the window that do not belong to the game, with descriptions."""
     keys = texts.text("keys.one_or_other", key="F6", other_key=shown_key(texts, "Ctrl+Tab"))
     return (keys, texts.text("pages.key_next_part")), *page_keys(texts)
 
@@ -226,7 +226,7 @@ class EndingPanel(TitledPanel):
         self.rows.addWidget(button)
 
     def show_ending(self, ending: GameOverPage) -> None:
-        """Show this ending."""
+        """Show this end of the game."""
         self.entitle(ending.title)
         set_text(self._lines, "\n".join(ending.lines))
         self.again.show_action(ending.again)

@@ -206,7 +206,7 @@ class TreasureFacts(QWidget):
         return int(sum(self._height(fact, width) for fact in self._facts or ()) or self._line()) + GAP
 
     def show_facts(self, facts: tuple[TreasureFact, ...] | None) -> None:
-        """Show the known facts among these facts. If None, show that the robot is still sensing."""
+        """Show the facts whose values are known. If `facts` is None, show that the robot is still sensing."""
         known = None if facts is None else tuple(fact for fact in facts if fact.value)
         if known == self._facts and self.accessibleName():
             return
@@ -298,7 +298,7 @@ class FactActs(QWidget):
         self._buttons: list[ActionButton] = []
 
     def show_facts(self, facts: Sequence[TreasureFact]) -> None:
-        """Show the acts of these facts."""
+        """Show the buttons for these facts."""
         offered = [fact for fact in facts if fact.acts]
         acts = [(fact.label, [action.act for action in fact.acts]) for fact in offered]
         if acts != self._acts:

@@ -108,7 +108,7 @@ class NameList(QListWidget):
         event.accept()
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Handle the end of a click. If it picked no name, mark the name that is picked."""
+        """Handle the end of a click. If the click picked no name, the picked name stays marked."""
         super().mouseReleaseEvent(event)
         self._pick()
 

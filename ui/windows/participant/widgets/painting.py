@@ -49,7 +49,7 @@ def box(
 
 
 def ring(painter: QPainter, rect: QRectF, colour: str) -> None:
-    """Draw the focus ring slightly inside the edge of the widget, so that both remain visible."""
+    """Draw the focus ring slightly inside the edge of the widget, so that ring and edge remain distinct."""
     inset = RING / 2.0 + 2.0
     painter.setPen(QPen(QColor(colour), RING))
     painter.setBrush(Qt.BrushStyle.NoBrush)

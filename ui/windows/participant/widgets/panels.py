@@ -56,7 +56,7 @@ class RobotChip(QWidget):
 
 
 class TitledPanel(QFrame):
-    """Panel with a title, above everything else.
+    """Panel with a title, in front of the other parts of the window.
 
     Args:
         texts: texts in the window's language.
@@ -100,7 +100,7 @@ class TitledPanel(QFrame):
         self.setAccessibleName(title)
 
     def usual_size(self) -> QSize:
-        """Return the usual size of a pop-up on the map, logical pixels. If its words need more height, it is higher."""
+        """Return the usual size of a pop-up on the map, logical pixels. The pop-up is higher if its words need this."""
         return QSize(px(340), px(300))
 
     def arrange(self, space: QSize) -> None:

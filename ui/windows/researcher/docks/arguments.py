@@ -74,7 +74,7 @@ class ArgumentsDock(QWidget):
 
         Args:
             robot: index of the robot.
-            course: its latest dialogue.
+            course: latest dialogue of the robot.
             start_ns: ROS time at which the displayed times are zero.
         """
         if (text := shown(heading(robot, course))) != self.heading.text():

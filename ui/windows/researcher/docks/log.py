@@ -34,7 +34,7 @@ class LogRow:
 
 
 class LogModel(TableModel):
-    """Rows that match the filter, in chronological order.
+    """Model of the rows that match the filter, in chronological order.
 
     Rows later than the time shown are dimmed; a recording contains these rows as well.
 
@@ -57,7 +57,7 @@ class LogModel(TableModel):
 
     @property
     def size(self) -> int:
-        """Number of all rows, including those that the filter hides."""
+        """Number of all rows, including rows that the filter hides."""
         return len(self._rows)
 
     @property
@@ -222,7 +222,7 @@ class LogView(QWidget):
             self._scrolls = False
 
     def _scrolled(self) -> None:
-        """After a person has scrolled, follow the time only if the row at the time shown is visible."""
+        """Follow the time after a person has scrolled, but only if the row at the time shown is visible."""
         if self._scrolls or self.model.last_past < 0:
             return
         place = self.table.visualRect(self.model.index(self.model.last_past, 0))

@@ -174,7 +174,7 @@ class Plots(QWidget):
         self._range()
 
     def show_numbers(self, curves: Sequence[NumberCurve], end: float) -> None:
-        """Draw these numbers of topics, and remove the curves of all others.
+        """Draw these numbers of topics, and remove the curves of all other numbers.
 
         Args:
             curves: the numbers.
@@ -296,7 +296,7 @@ class Plots(QWidget):
     def _name_curves(self) -> None:
         """Fill the legends.
 
-        The first plot of robots has the robots' names. A plot that several numbers share has their names.
+        The legend of the first robot plot names the robots. In a plot of several numbers, the legend names the numbers.
         """
         robots = next((plot for plot in self._shown if plot in self._panels.values()), None)
         curves = self._of_numbers()

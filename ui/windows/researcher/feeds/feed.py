@@ -12,7 +12,7 @@ from ui.model.watching.session_log import SessionLog
 from ui.sources.numbers import TopicNumbers
 
 FeedRequest = Request | PaceRequest
-"""Request to the robots, or to change the pace of the session."""
+"""Request to the robots, or request to change the pace of the session."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Function that opens a recording by its path, or a running session by its address."""
+"""Opener of recordings by their paths, and of running sessions by their addresses."""
 
 from dataclasses import dataclass
 from pathlib import Path

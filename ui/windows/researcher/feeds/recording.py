@@ -56,7 +56,7 @@ class BagOpener:
 
     def _opened(self) -> BagSource | None:
         work = open_bag(self.path)
-        # Check between the steps, so that the thread ends soon after a call of `give_up`.
+        # Check for `give_up` between the steps, so that the thread ends soon after this call.
         while not self._given_up:
             try:
                 self.share = next(work)
@@ -214,7 +214,7 @@ class RecordingFeed:
         return "recording" if self._whole else f"reading, {self._share:.0%}"
 
     def trouble(self) -> str:
-        """Return why the recording cannot be shown."""
+        """Return the reason why the recording cannot be shown; empty if it can be shown."""
         if self._fault:
             return self._fault
         return "" if self._source is not None else f"Opening {self._opener.path} ({self._opener.share:.0%})"

@@ -102,7 +102,7 @@ class SessionTransport:
         self._ask(Resume() if on else Pause())
 
     def step(self, steps: int) -> None:
-        """Ask for this number of ticks. A session cannot go back in time."""
+        """Ask for this number of ticks. The time of a session cannot go back."""
         if steps > 0:
             self._ask(Step(steps))
 
@@ -111,7 +111,7 @@ class SessionTransport:
         self._ask(SetRate(speed))
 
     def seek(self, time: float) -> None:
-        """Do nothing, because a running session cannot go to another time. Its recording can do so later."""
+        """Do nothing, because a running session cannot go to another time. Its recording can."""
 
     def loop(self, span: tuple[float, float] | None) -> None:
         """Do nothing, because the time of a session only goes forward."""

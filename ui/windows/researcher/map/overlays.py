@@ -60,7 +60,7 @@ class _RobotItem(MapItem):
 
 
 class Dots(_RobotItem):
-    """Thousands of dots: particles, or the end points of a scan's beams."""
+    """Item that draws thousands of dots: particles, or end points of laser beams."""
 
     def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
         """Draw the dots as squares without smooth edges, which are painted several times faster than discs."""
@@ -69,7 +69,7 @@ class Dots(_RobotItem):
 
 
 class Lines(_RobotItem):
-    """Lines through points, for example plans. A row of NaN separates two pieces of a line."""
+    """Item that draws lines through points, for example plans. A row of NaN separates two pieces of a line."""
 
     def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
         """Draw the pieces as single lines, which are painted several times faster than polylines."""
@@ -82,7 +82,7 @@ class Lines(_RobotItem):
 
 
 class Arrows(_RobotItem):
-    """Arrows for poses (x, y, theta). Each arrow starts at its pose."""
+    """Item that draws arrows for poses (x, y, theta). Each arrow starts at its pose."""
 
     def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
         """Draw the arrows."""
@@ -97,7 +97,7 @@ class Arrows(_RobotItem):
 
 
 class Things(MapItem):
-    """Obstacles that are not on the map, at rest or moving."""
+    """Item that draws obstacles that are not on the map, at rest or moving."""
 
     _outlines: tuple[tuple[str, FloatArray], ...] = ()
 
