@@ -102,8 +102,8 @@ class ParticipantSection:
     )
     attitude: Attitude = param(
         Attitude.CREDULOUS,
-        "how a simulated participant replies to robots: credulous: it agrees whenever it can; cautious: it asks for "
-        "reasons and accepts them; sceptical: it insists on its own choice, and gives in late or never",
+        "how a simulated participant replies to robots: credulous (agrees whenever it can); cautious (asks for reasons "
+        "and accepts them); sceptical (insists on its own choice, and gives in late or never)",
     )
     consent: Path | None = param(
         None, "path of a text that participants must agree to before they play; if null, no consent is needed"
@@ -134,8 +134,8 @@ class MannerSection:
 
     attitude: Attitude = param(
         Attitude.CAUTIOUS,
-        "claims that a robot accepts: credulous: every claim with a reason; cautious: every claim that none of its own "
-        "facts contradict; sceptical: only claims for which it has an argument of its own",
+        "claims that a robot accepts: credulous (every claim with a reason); cautious (every claim that its own facts "
+        "do not contradict); sceptical (only claims for which it has an argument of its own)",
     )
     persistence: int = param(
         2, "number of dialogues about the same topic in which a robot insists; 0: it gives in at once", "", 0, 10
@@ -160,9 +160,9 @@ class DialogueSection:
 
     condition: DialogueCondition = param(
         DialogueCondition.SCRIPT,
-        "who decides: supervisor: robots obey; script: robots ask the questions of the templates; collaborator: robots "
-        "argue, and robot and participant must agree before the robot acts; adviser: robots argue, and the participant "
-        "decides; autonomous: robots argue and decide",
+        "who decides: supervisor (robots obey); script (robots ask the questions of the templates); collaborator "
+        "(robots argue, and both sides must agree before a robot acts); adviser (robots argue, and the participant "
+        "decides); autonomous (robots argue and decide)",
     )
     manner: MannerSection = param(MannerSection(), "how robots argue")
     each: Mapping[int, MannerSection] = dataclasses.field(

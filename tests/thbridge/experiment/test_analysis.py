@@ -55,7 +55,7 @@ def test_before_anybody_met_all_conditions_it_says_that_there_is_nothing_to_comp
     export = tmp_path / "exports" / "first"
     export_experiment(folder, folder.read(), begun, export, {"thbridge": "1.0"}, None)
     runpy.run_path(str(export / "analysis.py"), run_name="__main__")
-    assert "cells: none. No participant has data in all conditions yet" in capsys.readouterr().out
+    assert "cells: none, because no participant has data in all conditions" in capsys.readouterr().out
 
 
 def test_columns_have_their_types(export: Path) -> None:

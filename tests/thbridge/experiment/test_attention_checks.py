@@ -36,8 +36,9 @@ def test_methods_count_those_who_failed_and_no_score_has_an_attention_check(tmp_
     failed = sum(subject.attempt.items["look"].answer != 2.0 for subject in records.subjects)
     assert 0 < failed < 20
     text = methods_text(records, {}, "Not registered.")
-    assert "1 item of these only checked attention and counted for no score." in text
+    assert "The questionnaires had 1 attention check, which did not count for scores." in text
     failures = "1 failure" if failed == 1 else f"{failed} failures"
-    assert f"Of 20 participants analyzed who answered them, {failed} failed at least one ({failures} in total)." in text
+    analyzed = "Of 20 analyzed participants who answered attention checks"
+    assert f"{analyzed}, {failed} failed at least one check ({failures} in total)." in text
     assert "| look | Please choose 2 here. |" in text and "| attention check |" in text
     assert all([item.id for item in score.items] == ["calm", "glad"] for score in records.scores)

@@ -68,16 +68,16 @@ steps:
     [
         (
             WITHIN,
-            ["within-participants design: each participant met all of the 2 conditions", "balanced Latin square"],
+            ["within-participants design: each participant played in all 2 conditions", "balanced Latin square"],
             ["to groups", "between"],
         ),
         (
             BETWEEN,
             [
-                "between-participants design with 2 groups: each participant met one of them",
+                "between-participants design with 2 groups: each participant played one game",
                 "to groups at random",
-                "| who decides: supervisor, robots obey; collaborator, robots argue and nothing "
-                "happens before both sides agree |",
+                "| who decides: supervisor (robots obey); collaborator (robots argue, and both sides must agree "
+                "before a robot acts) |",
             ],
             ["Latin square", "rder of conditions", "within-participants", "script", "autonomous"],
         ),
@@ -194,7 +194,7 @@ def test_checks_have_their_attempts_and_failures(course: Course) -> None:
     assert "Participants who failed the last attempt were excluded." in text
     # Of ten who began, one declined, one is still reading, and one withdrew.
     assert (
-        "Of 7 participants who answered it, 5 passed at the first attempt, 1 at a later one, and 1 did not pass "
+        "Of 7 participants who answered it, 5 passed at the first attempt, 1 at a later attempt, and 1 did not pass "
         "(9 attempts, 3 failures)."
     ) in text
     assert "*Questions of Before we begin*" in text
@@ -203,7 +203,7 @@ def test_checks_have_their_attempts_and_failures(course: Course) -> None:
     assert "The step of a game includes its start and the page with its result." in durations
     assert "If steps were repeated after a failed check, each repetition counts." in durations
     # Data collection goes on: nothing says that it has ended.
-    assert "was set to admit people until this number of complete runs that count was reached. If a run did" in text
+    assert "was set to admit people until this number of valid runs was reached. If a run did not count" in text
 
 
 @settings(max_examples=8, deadline=None)
@@ -305,7 +305,14 @@ def test_what_the_researcher_wrote_fills_the_brackets(tmp_path: Path) -> None:
     ):
         assert said in text, said
     assert "server.port" not in text
-    for gap in ("[How, where", "[Which ethics", "[Why this number", "[Rules by", "[Where the study", "[Each deviation"):
+    for gap in (
+        "[State how, where",
+        "[State which ethics",
+        "[Reason for this",
+        "[Rules by",
+        "[State where",
+        "[State each deviation",
+    ):
         assert gap not in text
 
 
@@ -347,7 +354,7 @@ def test_practice_debriefing_and_consent_elsewhere_are_in_the_procedure(tmp_path
         "2. For each condition, in the participant's order:\n"
         "    * Instructions on screen (welcome.md); only at dialogue.condition=supervisor.\n"
         "    * Game of at most 60 s.\n"
-        "3. Debriefing on screen (debrief.md), with the score of each game and the best possible one, also for "
+        "3. Debriefing on screen (debrief.md), with the score and the best possible score of each game, also for "
         "participants who left or were excluded.\n"
     ) in section
     assert "Participants signed a form on paper." in section
@@ -380,9 +387,7 @@ def test_a_study_between_participants_names_no_first_condition_and_what_might_be
     )
     assert "One participant and one simulated mobile robot searched the rooms" in text
     assert "one of: one; other; none, in random order except for “none” |" in text
-    assert (
-        "Of 6 answers to questionnaires, 2 were empty (2 of them for items that participants could leave out)" in text
-    )
+    assert "Of 6 answers to questionnaires, 2 were empty (2 of them to optional items)" in text
 
 
 def test_what_a_study_leaves_out_is_not_made_up(tmp_path: Path) -> None:

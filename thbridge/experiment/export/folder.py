@@ -1,4 +1,4 @@
-"""The export of an experiment: a folder that Psych-DS accepts, with additional tables for pandas and R."""
+"""The export of an experiment: a Psych-DS folder with additional tables for pandas and R."""
 
 import csv
 import dataclasses
@@ -35,7 +35,7 @@ class WrittenExport:
 
     Attributes:
         rows: number of rows of each table, by its name.
-        notes: sentences on recordings that are missing, changed or unreadable, and on those left by crashes.
+        notes: sentences about missing, changed or unreadable recordings, and about incomplete recordings after crashes.
     """
 
     rows: dict[str, int] = field(default_factory=dict)
@@ -50,7 +50,7 @@ def export_experiment(
     versions: Mapping[str, str],
     changed: Sequence[str] | None,
 ) -> WrittenExport:
-    """Write an export; the study remembers its folder. Exports of the same log are identical byte for byte.
+    """Write an export. The study stores the path of the export's folder. Exports of the same log are bit-identical.
 
     Args:
         study: the experiment's folder, with its recordings.
@@ -58,7 +58,7 @@ def export_experiment(
         entries: entries of its log.
         folder: target folder; it is created if it does not exist.
         versions: versions of the programs.
-        changed: differences from the registered experiment. If None, it was not registered.
+        changed: changes since the experiment was registered. If None, it was not registered.
 
     Raises:
         BadFile: the folder is not empty, or cannot be written.
@@ -80,20 +80,22 @@ def remake_export(
     versions: Mapping[str, str],
     changed: Sequence[str] | None,
 ) -> tuple[Path, ...]:
-    """Write an export again in the same folder, with the same events of the log except those deleted since.
+    """Write an export again in the same folder, with the same events of the log, without events deleted meanwhile.
 
-    Its tables and texts, and the results of its scripts, are replaced or deleted; changed scripts are kept. If the
-    program is interrupted, the old manifest still exists.
+    Tables, texts and results of the scripts are replaced or deleted. Scripts that a user changed are kept. If the
+    program is interrupted, the old manifest remains.
 
     Returns:
-        Files and folders in it that do not belong to an export; they are unchanged.
+        Files and folders in the export's folder that do not belong to the export. They are not changed.
 
     Raises:
         BadFile: the export has no manifest, or cannot be written.
     """
     last = last_event_of(folder)
     if last is None:
-        raise BadFile(folder, f"its {MANIFEST} is missing or damaged", "Delete this study's data in it yourself")
+        raise BadFile(
+            folder, f"its {MANIFEST} is missing or damaged", "Delete this study's data in the folder yourself"
+        )
     records = records_of(design, entries, study.root, last)
     new = _remade(folder)
     with _writing(folder), ExitStack() as written:
@@ -107,7 +109,7 @@ def remake_export(
         for name in ("results", "data", "tables"):
             if (folder / name).is_dir():
                 shutil.rmtree(folder / name)
-        # The manifest comes last: as long as the old one exists, the export can be written again.
+        # Replace the manifest last: while the old manifest exists, the export can be written again.
         for path in sorted(new.iterdir(), key=lambda path: path.name == MANIFEST):
             if path.name == MANIFEST:
                 sync_folder(folder)
@@ -117,13 +119,13 @@ def remake_export(
 
 
 def clear_remains(folder: Path) -> None:
-    """Delete what killed programs have left of an unfinished export, in its folder and next to it."""
+    """Delete files of unfinished exports, which killed programs left in the export's folder and next to it."""
     for path in (_remade(folder), *folder.glob(f".all.*{PART}")):
         shutil.rmtree(path, ignore_errors=True)
 
 
 def _remade(folder: Path) -> Path:
-    """Return the folder in which an export is written again."""
+    """Return the temporary folder for writing an export again."""
     return folder.with_name(f".{folder.name}-new")
 
 
@@ -143,7 +145,7 @@ def _write_export(
     changed: Sequence[str] | None,
     scripts: Path | None = None,
 ) -> WrittenExport:
-    """Write the files of an export; scripts that exist in the folder `scripts` are copied from there."""
+    """Write the files of an export. Copy scripts from the folder `scripts` if they exist there."""
     for name in ("data", "tables"):
         (folder / name).mkdir(exist_ok=True)
     title, entries = records.design.file.title, records.progress.sequence
@@ -180,13 +182,13 @@ def _registered(study: ExperimentFolder, changed: Sequence[str] | None) -> str:
         return "The experiment was not frozen for a preregistration."
     digest = json.loads(study.freeze.read_text(encoding="utf-8"))["digest"] if study.freeze.exists() else "unknown"
     if not changed:
-        return f"The experiment is the one that was frozen for its preregistration (SHA-256 {digest})."
+        return f"The experiment has not changed since it was frozen for its preregistration (SHA-256 {digest})."
     frozen = f"Changes since the experiment was frozen for its preregistration (SHA-256 {digest})"
     return f"{frozen}: {'; '.join(changed)}."
 
 
 def _write_tables(records: ExperimentRecords, folder: Path) -> tuple[WrittenExport, list[ExperimentTable]]:
-    """Write all tables that have rows; return them without their rows."""
+    """Write all tables with at least one row. Return these tables without their rows."""
     title, written = records.design.file.title, WrittenExport()
     parquet = TableFiles(folder / "tables", [TableFormat.PARQUET])
     texts = TableFiles(folder / "data", [TableFormat.CSV])
@@ -242,20 +244,20 @@ def _readme(records: ExperimentRecords, tables: Sequence[ExperimentTable], writt
         "",
         *(f"* {note}" for note in written.notes),
         *([""] if written.notes else []),
-        "| table | a row is | rows |",
+        "| table | one row is | number of rows |",
         "|---|---|---|",
         *(f"| {table.name} | {table.meaning} | {written.rows[table.name]} |" for table in tables),
         "",
-        "`tables/` has the tables as Parquet, with units; `data/` has them as CSV with Psych-DS names and "
-        "descriptions.",
+        "`tables/` has the tables as Parquet files with units. `data/` has the same tables as CSV files with Psych-DS "
+        "names and descriptions.",
         SENTENCE,
-        "`dictionary.csv` explains each column: its type, unit, meaning, range, and the levels of factors. `counts` is",
-        "true in rows that are data: from complete runs that were not excluded, and not from practice or checks.",
-        "`python analysis.py` (pandas, pyarrow, scipy, matplotlib) and `Rscript analysis.R` (base R) compare "
+        "`dictionary.csv` explains each column: its type, unit, meaning, range, and the levels of factors. The column",
+        "`counts` is true for valid data: rows of complete runs that were not excluded, except practice and checks.",
+        "`python analysis.py` (pandas, pyarrow, scipy, matplotlib) and `Rscript analysis.R` (base R) compare the "
         "conditions",
-        "and write figures to `results/`. `methods.md` is for the paper. `manifest.json` lists the people in this "
-        "export.",
-        "`sha256sum -c checksums.sha256` checks whether all files are as they were exported.",
+        "and write figures to `results/`. `methods.md` is a text for the paper. `manifest.json` lists the people in "
+        "this export.",
+        "`sha256sum -c checksums.sha256` checks whether a file was changed after the export.",
         "",
     ]
     return "\n".join(lines)

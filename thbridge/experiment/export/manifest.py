@@ -1,4 +1,4 @@
-"""Exports that a study knows, and the people in each, so that withdrawals can delete their data there."""
+"""List of a study's exports and the people in each export, so that withdrawals can delete their data."""
 
 import hashlib
 import json
@@ -15,11 +15,11 @@ from thbridge.json_text import json_of
 MANIFEST = "manifest.json"
 """File of an export that lists the people in it."""
 _LARGEST = 1 << 24
-"""Largest manifest in bytes: a million people."""
+"""Largest size of a manifest, in bytes. This is enough for a million people."""
 
 
 def register_export(folder: ExperimentFolder, export: Path) -> None:
-    """Record in a study's folder where an export is about to be written.
+    """Add the folder of an export to the study's list. Call this before writing the export.
 
     Raises:
         BadFile: the list of exports cannot be read or written.
@@ -28,7 +28,7 @@ def register_export(folder: ExperimentFolder, export: Path) -> None:
 
 
 def known_exports(folder: ExperimentFolder) -> tuple[Path, ...]:
-    """Return the folders where exports of a study were written, and those in its folder that have a manifest.
+    """Return the folders of a study's exports: the folders in its list, and folders inside the study with a manifest.
 
     Raises:
         BadFile: the list of exports cannot be read.
@@ -38,7 +38,7 @@ def known_exports(folder: ExperimentFolder) -> tuple[Path, ...]:
 
 
 def exports_with(folder: ExperimentFolder, participant: str) -> tuple[Path, ...]:
-    """Return the existing folders of exports that have data of a person, or may have.
+    """Return the existing folders of exports that may have data of a person.
 
     An export without a readable manifest may have data of any person.
 
@@ -49,7 +49,7 @@ def exports_with(folder: ExperimentFolder, participant: str) -> tuple[Path, ...]
 
 
 def missing_exports(folder: ExperimentFolder) -> tuple[Path, ...]:
-    """Return the folders of exports that no longer exist: moved, renamed or deleted.
+    """Return the paths of moved, renamed or deleted exports.
 
     Raises:
         BadFile: the list of exports cannot be read.
@@ -70,23 +70,23 @@ def manifest_text(title: str, participants: Iterable[str], events: int) -> str:
 
 
 def last_event_of(export: Path) -> int | None:
-    """Return the number of the last event of the log in an export, or None if no manifest states it."""
+    """Return the number of the last event in an export, or None if the manifest is missing or damaged."""
     last = _contents(export).get("events")
     return last if isinstance(last, int) else None
 
 
 def people_of(export: Path) -> frozenset[str] | None:
-    """Return the ids of the people in an export, or None if no manifest states them."""
+    """Return the ids of the people in an export, or None if the manifest is missing or damaged."""
     people = _contents(export).get("participants")
     return frozenset(map(str, people)) if isinstance(people, list) else None
 
 
 def _contents(export: Path) -> Mapping[str, object]:
-    """Return the contents of a manifest; empty if it does not exist or is damaged."""
+    """Return the contents of a manifest. If it is missing or damaged, return an empty mapping."""
     try:
         contents = json_of(text_of(export / MANIFEST, content_of(export / MANIFEST, _LARGEST)))
-        # An id with one wrong letter would match no person, and a withdrawn person's data would stay. Older files have
-        # no checksum.
+        # If an id has one wrong letter, a withdrawal would not find this person's data. Older manifests have no
+        # checksum.
         if "sum" in contents and contents.pop("sum") != _sum(contents):
             return {}
     except (OSError, BadFile, ValueError, TypeError, AttributeError):
@@ -101,5 +101,5 @@ def _sum(contents: Mapping[str, object]) -> str:
 
 def _may_hold(export: Path, participant: str) -> bool:
     people = people_of(export)
-    # The folder may have been emptied, or used again for something else.
+    # A user may have emptied the folder, or may use it for other files.
     return any(export.iterdir()) if people is None else participant in people

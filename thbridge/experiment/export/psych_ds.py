@@ -1,4 +1,4 @@
-"""The description of an export for Psych-DS: JSON-LD with schema.org terms, next to the tables.
+"""Descriptions of an export and its tables for Psych-DS: JSON-LD files with schema.org terms.
 
 Source: Psych-DS 1.0, https://psych-ds.github.io.
 """
@@ -12,11 +12,11 @@ from thbridge.experiment.export.families.described import ColumnDescription, Exp
 JsonLd = dict[str, object]
 
 LONGEST_WORD = 100
-"""Largest number of letters of a title in names of files, which end at 255 bytes."""
+"""Largest number of characters of a title in a file name. File names have at most 255 bytes."""
 
 
 def file_name(title: str, table: str) -> str:
-    """Return the name of a table's file: keywords and values in the spelling of Psych-DS; a long title is cut off."""
+    """Return the name of a table's file, with keywords and values as in Psych-DS. A long title is shortened."""
     return f"study-{_word(title)[:LONGEST_WORD]}_description-{_word(table.replace('_', ' '))}_data.csv"
 
 
@@ -25,9 +25,9 @@ def dataset_description(title: str, tables: Iterable[ExperimentTable], notes: Se
 
     Args:
         title: title of the experiment.
-        tables: all exported tables; each of their columns is described. If several tables have a column with the same
-            name, this describes the first one; the sidecar of each file describes its own.
-        notes: sentences on the data, for its description.
+        tables: all exported tables. The text describes all columns. If several tables have a column with the same
+            name, the text describes the column of the first table. The sidecar of each table describes its own column.
+        notes: sentences about the data, for the description of the data set.
     """
     columns = {column.name: column for table in reversed([*tables]) for column in reversed(table.columns)}
     whole: JsonLd = {
@@ -43,7 +43,7 @@ def dataset_description(title: str, tables: Iterable[ExperimentTable], notes: Se
 
 
 def sidecar(table: ExperimentTable) -> str:
-    """Return the text of the file next to a table's, which describes only that table's columns."""
+    """Return the text of the file that describes the columns of one table."""
     described: JsonLd = {
         "@context": "https://schema.org",
         "@type": "Dataset",

@@ -1,4 +1,4 @@
-"""The tables of an experiment: those made from its log, and those made from recordings of games, trial by trial."""
+"""The tables of an experiment: tables from its log, and tables from the recordings of its trials."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
@@ -24,17 +24,17 @@ from thbridge.files.errors import BadFile
 
 @dataclass(frozen=True, slots=True)
 class ExperimentRecords:
-    """Records of an experiment, from which its tables are made.
+    """Records of an experiment, the source of its tables.
 
     Attributes:
         design: the experiment.
-        root: folder of the experiment, which paths of recordings are relative to.
+        root: folder of the experiment. Paths of recordings are relative to this folder.
         progress: progress of all people.
-        events: events of its log, without withdrawn ones.
+        events: events of its log, without deleted events.
         subjects: all attempts at steps.
         scores: all scores.
         trials: all games.
-        withdrawn: number of participants who withdrew; their events are deleted.
+        withdrawn: number of participants who withdrew. Their events are deleted.
     """
 
     design: ExperimentDesign
@@ -48,7 +48,7 @@ class ExperimentRecords:
 
     @property
     def runs(self) -> Collection[Run]:
-        """The runs of all people who began and did not withdraw."""
+        """The runs of all people who started and did not withdraw."""
         return self.progress.runs.values()
 
     @property
@@ -66,7 +66,7 @@ def records_of(
         design: the experiment.
         entries: entries of its log.
         root: folder of the experiment. If None, it is the folder that contains the experiment's file.
-        last: number of the last event that counts. If None, all events count. Later withdrawals still apply.
+        last: number of the last event to use. If None, use all events. Later withdrawals apply in any case.
 
     Raises:
         BadHistory: the log does not belong to this experiment.
@@ -86,19 +86,19 @@ def records_of(
 
 
 def _withdraws_before(entry: LogEntry, last: int) -> bool:
-    """Return True for the withdrawal of a person who had begun by an event."""
+    """Return True if an entry is the withdrawal of a person whose run started before the event `last`."""
     if not isinstance(entry, LoggedEvent) or entry.event.kind != WITHDRAWN:
         return False
     sequences = (entry.event.data or {}).get("sequences")
     if not isinstance(sequences, list) or len(sequences) < 2:
-        # A run has at least two events: its own beginning and that of a step. A single event of a person is a later
-        # note that named the person.
+        # A run has at least two events: the start of the run and of a step. A single event is a note with the person's
+        # id that was found later.
         return False
     return any(isinstance(each, int) and each <= last for each in sequences)
 
 
 def log_tables(records: ExperimentRecords) -> tuple[ExperimentTable, ...]:
-    """Return the tables that are made from the log."""
+    """Return the tables whose source is the log."""
     design = records.design
     attempts: dict[str, list[Attempt]] = {}
     for subject in records.subjects:
@@ -114,7 +114,7 @@ def log_tables(records: ExperimentRecords) -> tuple[ExperimentTable, ...]:
 
 
 def tables_of(design: ExperimentDesign, entries: Sequence[LogEntry]) -> tuple[ExperimentTable, ...]:
-    """Return the tables that are made from a log.
+    """Return the tables whose source is a log.
 
     Raises:
         BadHistory: the log does not belong to this experiment.
@@ -123,9 +123,9 @@ def tables_of(design: ExperimentDesign, entries: Sequence[LogEntry]) -> tuple[Ex
 
 
 def game_tables(records: ExperimentRecords) -> Iterator[ExperimentTable | str]:
-    """Yield the tables of games in pieces, trial by trial, or a sentence on a missing recording.
+    """Yield the tables of games in pieces, trial by trial. For a missing recording, yield a sentence.
 
-    Only one recording is open at a time; its utterances and events are kept in memory.
+    Only one recording is open at a time. Its utterances and events are in memory.
     """
     scores_by: dict[str, list[GivenScore]] = {}
     for score in records.scores:
@@ -135,13 +135,13 @@ def game_tables(records: ExperimentRecords) -> Iterator[ExperimentTable | str]:
             continue
         where = f"The recording of {trial.run.participant}, step {trial.attempt.step.number} ({trial.bag})"
         if trial.recording is not RecordingState.AS_RECORDED:
-            is_so = "is missing" if trial.recording is RecordingState.MISSING else "is not what was recorded"
-            yield f"{where} {is_so}; tables of games have no rows for it."
+            is_so = "is missing" if trial.recording is RecordingState.MISSING else "was changed"
+            yield f"{where} {is_so}, so tables of games have no rows of this game."
             continue
         try:
             recorded = RecordedTrial(trial, read_game(ExperimentFolder(records.root).bag_named(trial.bag)))
         except BadFile as error:
-            yield f"{where} cannot be read ({error.problem}); tables of games have no rows for it."
+            yield f"{where} cannot be read ({error.problem}), so tables of games have no rows of this game."
             continue
         yield from _of_game(records.design, recorded, scores_by.get(trial.run.participant, []))
 

@@ -28,7 +28,7 @@ def test_from_a_new_study_to_its_tables(folder: Path, tmp_path: Path) -> None:
     output_of("study", "export", tmp_path / "rehearsal", "--to", tmp_path / "tables")
     people = pd.read_parquet(tmp_path / "tables" / "tables" / "participants.parquet")
     assert (people.state == "complete").sum() == 4
-    assert "is the one that was frozen" in (tmp_path / "tables" / "CHANGES.md").read_text()
+    assert "has not changed since it was frozen" in (tmp_path / "tables" / "CHANGES.md").read_text()
 
 
 def test_a_new_study_may_be_in_german(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Attempts at steps, gathered from the log. Most tables are made from them and share their columns."""
+"""Attempts at steps, collected from the log. They are the source of most tables, which share their first columns."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
@@ -26,16 +26,16 @@ NO_DATA = frozenset({StepKind.PRACTICE, StepKind.CHECK})
 
 @dataclass(slots=True)
 class ItemTimes:
-    """Times of an item within one attempt at a step, nanoseconds of the program's clock.
+    """Times of an item in one attempt at a step, in nanoseconds of the program's clock.
 
     Attributes:
-        shown: time at which it was first shown, or None.
+        shown: time at which the item was first shown, or None.
         touched: time at which the person began to answer, or None.
         given: time at which the person continued to the next item, or None.
-        changes: number of changes of the answer before that.
-        pasted: number of characters pasted into it.
+        changes: number of changes of the answer before the person continued.
+        pasted: number of characters pasted into the answer.
         answer: the answer given, or None.
-        timed_out: True if its time limit closed it; the answer so far counts.
+        timed_out: True if the item was closed at its time limit. Then the present answer counts.
         options: answers of a choice in the order shown; empty if all participants see the same order.
     """
 
@@ -56,21 +56,21 @@ class Attempt:
     Attributes:
         step: the step.
         number: number of the attempt, from 1.
-        began: wall time of its beginning.
-        began_ns: time of its beginning by the program's clock.
-        ended: wall time of its end; empty until then.
-        ended_ns: time of its end by the program's clock, or None until then.
-        outcome: outcome of the attempt, or None until its end.
-        resumed: number of times that another program resumed it.
-        broken_off: number of games that were begun in it and abandoned.
+        began: wall time of the attempt's start.
+        began_ns: time of the attempt's start, from the program's clock.
+        ended: wall time of the attempt's end; empty before the end.
+        ended_ns: time of the attempt's end, from the program's clock; None before the end.
+        outcome: outcome of the attempt; None before the end.
+        resumed: number of times that another program resumed the attempt.
+        broken_off: number of games that were started in the attempt and abandoned.
         read_again: number of times that the instructions were opened again.
         away_ns: time for which another window had the keyboard focus.
         away: number of times that another window took the focus.
-        left_ns: time at which the focus was lost, or None if the window has it.
-        items: times of its items, in the order in which they came.
+        left_ns: time at which the window lost the focus, or None if the window has the focus.
+        items: times of the items, in the order of their appearance.
         game: the log's data about the played game, or None.
-        consent: the log's data about the answer to the question for consent, or None.
-        consent_at: wall time of that answer; empty if there is none.
+        consent: the log's data about the answer to the consent question, or None.
+        consent_at: wall time of the answer to the consent question; empty if there is none.
     """
 
     step: PlannedStep
@@ -93,12 +93,12 @@ class Attempt:
 
     @property
     def duration(self) -> float | None:
-        """Time in the step, s. None before its end, and after a resume, because each process has its own clock."""
+        """Time in the step, s. None before the end, and after a resume, because each process has its own clock."""
         return None if self.resumed else between(self.began_ns, self.ended_ns)
 
 
 def between(begin: int | None, end: int | None) -> float | None:
-    """Return the time between two clock readings in nanoseconds, s; None if one is missing."""
+    """Return the time in seconds between two clock readings in nanoseconds, or None if a reading is missing."""
     return None if begin is None or end is None else (end - begin) / 1e9
 
 
@@ -161,7 +161,7 @@ def _gathered(run: Run, events: Iterable[LoggedEvent]) -> list[Attempt]:
 
 
 class OfRun(Protocol):
-    """Subject of a row that belongs to a person."""
+    """Object of a row that belongs to a person."""
 
     @property
     def run(self) -> Run:
@@ -169,7 +169,7 @@ class OfRun(Protocol):
 
 
 class OfAttempt(OfRun, Protocol):
-    """Subject of a row that belongs to an attempt at a step."""
+    """Object of a row that belongs to an attempt at a step."""
 
     @property
     def attempt(self) -> Attempt:
@@ -197,8 +197,7 @@ def run_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfRun], ...]:
         text("participant", "id of the person", lambda row: row.run.participant),
         flag(
             "counts",
-            "whether the row is data: the run is complete and not excluded, and the step is neither practice nor a "
-            "check",
+            "true for valid data: the run is complete and not excluded, and the step is neither practice nor a check",
             lambda row: row.run.state is RunState.COMPLETE,
         ),
         *_between_columns(design),
@@ -222,7 +221,7 @@ def attempt_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfAttempt], 
         *factors,
         *_within_columns(design),
         whole("step", "number of the step in the person's order, from 1", lambda row: row.attempt.step.number, least=1),
-        text("name", "name of the step in the experiment's file", lambda row: row.attempt.step.name),
+        text("name", "name of the step, from the experiment's file", lambda row: row.attempt.step.name),
         text("kind", "kind of the step", lambda row: str(row.attempt.step.entry.step)),
         whole(
             "attempt",
@@ -237,7 +236,7 @@ def attempt_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfAttempt], 
 def _between_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfRun], ...]:
     def column(factor: str) -> ValuedColumn[OfRun]:
         levels = tuple(dict.fromkeys(cell.levels[factor] for cell in design.cells))
-        meaning = "level of a factor between people"
+        meaning = "level of this factor between people"
         described = ColumnDescription(factor, "string", "", meaning, role=FactorRole.BETWEEN, levels=levels)
         return ValuedColumn(described, lambda row: design.cells[row.run.place.cell].levels[factor])
 
@@ -247,7 +246,7 @@ def _between_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfRun], ...
 def _within_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfAttempt], ...]:
     def column(factor: str) -> ValuedColumn[OfAttempt]:
         levels = tuple(dict.fromkeys(condition.levels[factor] for condition in design.conditions))
-        meaning = "level of a factor within people; empty for steps that belong to no condition"
+        meaning = "level of this factor within people; empty for steps that belong to no condition"
         described = ColumnDescription(factor, "string", "", meaning, role=FactorRole.WITHIN, levels=levels)
 
         def level(row: OfAttempt) -> CellValue:
@@ -260,5 +259,5 @@ def _within_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfAttempt], 
 
 
 def seed_of(design: ExperimentDesign, attempt: Attempt) -> int | None:
-    """Return the seed of a trial's game; None for any other step."""
+    """Return the random seed of a trial's game, or None for other steps."""
     return None if attempt.step.trial is None else drawn_seed(design, attempt.step.trial)

@@ -1,8 +1,8 @@
-"""Tables of robots and of fluency: waiting times of people and robots in a game.
+"""The tables `robots` and `fluency`: waiting times of people and robots in a game.
 
-The person waits while no robot waits for them. A robot waits for the person if it stands, answers, is under their
-command, and can be sent somewhere or stands at an undecided treasure. A robot acts while it drives to a room. Sources:
-Hoffman, Evaluating fluency in human-robot collaboration (2019); Olsen and Goodrich, Metrics for
+A robot acts while it drives to a room. A robot waits for the person if it does not drive, sends messages, is under the
+person's command, and can be sent to a room or is at an undecided treasure. The person waits while no robot waits for
+the person. Sources: Hoffman, Evaluating fluency in human-robot collaboration (2019); Olsen and Goodrich, Metrics for
 evaluating human-robot interactions (2003).
 """
 
@@ -54,15 +54,15 @@ _OF_A_ROOM = (PropertyTold, TreasureLeft, TreasureTakenUp)
 
 @dataclass(slots=True)
 class RobotStand:
-    """Period in which a robot stood, from its arrival (or the beginning of the game) to its departure.
+    """Period in which a robot stood, from its arrival (or the start of the game) to its departure.
 
     Attributes:
-        robot: index in the team.
-        began: time at which it stopped, s.
-        first_act: time at which the person first acted on it or talked to it, or None.
-        last_act: time at which the person last did so, or None.
-        departed: time at which it left, or None if the game ended before.
-        by_person: True if the person sent it.
+        robot: index of the robot in the team.
+        began: time at which the robot stopped, s.
+        first_act: time at which the person first acted on the robot or talked to it, or None.
+        last_act: time at which the person last acted on the robot or talked to it, or None.
+        departed: time at which the robot departed, or None if the game ended before.
+        by_person: True if the person sent the robot.
     """
 
     robot: int
@@ -82,13 +82,13 @@ class RobotAttention:
     """Figures of a robot in a game.
 
     Attributes:
-        stands: periods in which it stood.
-        drives: duration of each of its moves, s.
-        arrived: number of rooms that it reached.
+        stands: periods in which the robot stood.
+        drives: duration of each move, s.
+        arrived: number of moves that reached their room.
         failed: number of moves that did not reach their room.
-        spent: energy that it spent.
-        under_way: time for which it drove, s.
-        waiting: time for which it waited for the person, s.
+        spent: energy that the robot spent.
+        under_way: time for which the robot drove, s.
+        waiting: time for which the robot waited for the person, s.
     """
 
     stands: list[RobotStand] = field(default_factory=list)
@@ -101,12 +101,12 @@ class RobotAttention:
 
     @property
     def attention(self) -> list[float]:
-        """Time from the beginning of each period of standing until the person first acted on the robot, s."""
+        """For each period of standing: time from its start to the person's first act on the robot, s."""
         return [each.first_act - each.began for each in self.stands if each.first_act is not None]
 
     @property
     def interaction(self) -> list[float]:
-        """Time from the person's first act to the robot's departure, for each departure by the person, s."""
+        """For each departure by the person: time from the person's first act to the robot's departure, s."""
         return [
             each.departed - each.first_act
             for each in self.stands
@@ -115,7 +115,7 @@ class RobotAttention:
 
     @property
     def delays(self) -> list[float]:
-        """Times from the robot's arrival to the person's first act, and from the last act to its departure, s."""
+        """For each departure by the person: times from arrival to first act, and from last act to departure, s."""
         sent = [each for each in self.stands if each.by_person and each.departed is not None]
         known = ((each.began, each.first_act, each.last_act, each.departed) for each in sent)
         return [
@@ -134,7 +134,7 @@ class AttentionFigures:
         robots: figures of each robot.
         duration: duration of the game, s.
         person_waited: time for which no robot waited for the person, s.
-        both: time for which one robot drove while another waited for the person, s.
+        both: time for which at least one robot drove while another robot waited for the person, s.
     """
 
     robots: tuple[RobotAttention, ...]
@@ -148,7 +148,7 @@ def figures_of(recording: GameRecording, decisions: Iterable[GameDecision]) -> A
 
     Args:
         recording: recording of the game.
-        decisions: decisions of the game; they show who sent robots.
+        decisions: decisions of the game. They show who sent the robots.
     """
     by = {(each.robot, each.done): each.by for each in decisions if each.matter == "select-room"}
     robots = tuple(RobotAttention([RobotStand(robot, 0.0)]) for robot in range(recording.robots))
@@ -194,7 +194,10 @@ def _acted_on(each: TimedEvent) -> Iterator[int]:
 
 
 def _integrate(recording: GameRecording, robots: Sequence[RobotAttention]) -> tuple[float, float]:
-    """Add up driving, waiting and energy of robots; return how long the person waited, and how long both acted."""
+    """Add the driving times, waiting times and energies to the figures of robots.
+
+    Return the time for which the person waited, and the time in which robots drove while another robot waited, s.
+    """
     waited = both = 0.0
     events = [*recording.events]
     ends = [*(later.time for _, later in pairwise(events)), recording.duration]
@@ -212,7 +215,7 @@ def _integrate(recording: GameRecording, robots: Sequence[RobotAttention]) -> tu
 
 
 def waits_for_person(state: GameState, robot: int) -> bool:
-    """Return True while a robot waits for the person; see the module."""
+    """Return True if a robot waits for the person; see the module's description."""
     here = state.robots[robot]
     if state.ended or here.bound_for is not None or here.is_silent or here.command.by is not Commander.PARTICIPANT:
         return False
@@ -243,45 +246,47 @@ def robots(design: ExperimentDesign, trial: RecordedTrial, game: AttentionFigure
         (
             *attempt_columns(design),
             whole("robot", "number of the robot, from 1", lambda row: number_of(row.robot), least=1),
-            count("rooms_reached", "number of rooms that it reached", lambda row: row.figures.arrived),
+            count("rooms_reached", "number of rooms that the robot reached", lambda row: row.figures.arrived),
             count("moves_failed", "number of moves that did not reach their room", lambda row: row.figures.failed),
-            count("collisions", "number of times that it touched a wall or another robot", lambda row: row.collisions),
-            number("energy_spent", "", "spent energy, in the game's units", lambda row: row.figures.spent),
+            count("collisions", "number of collisions with a wall or another robot", lambda row: row.collisions),
+            number("energy_spent", "", "energy that the robot spent, game units", lambda row: row.figures.spent),
             seconds(
                 "under_way_s",
-                "time from each event departed to the next arrived or failed, or to the end of the game",
+                "time for which the robot drove: from each event departed to the next event arrived or failed, or to "
+                "the end of the game",
                 lambda row: row.figures.under_way,
             ),
             share(
                 "idle",
-                "share of the game in which it was not under way",
+                "share of the game in which the robot did not drive",
                 lambda row: _over(row.duration - row.figures.under_way, row.duration),
             ),
             seconds(
                 "waiting_s",
-                "time for which it stood, answered, was under the participant's command, and could be sent somewhere "
-                "or was at "
-                "an undecided treasure",
+                "time for which the robot waited for the participant: it did not drive, sent messages, was under the "
+                "participant's command, and could be sent to a room or was at an undecided treasure",
                 lambda row: row.figures.waiting,
             ),
             count(
-                "stands", "number of times that it stood, including the beginning", lambda row: len(row.figures.stands)
+                "stands",
+                "number of periods in which the robot stood, including the start of the game",
+                lambda row: len(row.figures.stands),
             ),
             seconds(
                 "attention_s",
-                "mean wait for attention: from started, arrived or failed to the person's first act about the robot "
-                "(sentence, request for advice, picture, name, property, departure), over stands with such an act",
+                "mean time from the event started, arrived or failed to the person's first act on the robot (sentence, "
+                "request for advice, picture, name, property, departure); periods without an act do not count",
                 lambda row: _mean(row.figures.attention),
             ),
             seconds(
                 "interaction_s",
-                "mean time from the person's first act about the standing robot to departed, over departures by the "
-                "person",
+                "mean time from the person's first act on the standing robot to the event departed; only departures by "
+                "the person count",
                 lambda row: _mean(row.figures.interaction),
             ),
             seconds(
                 "neglect_s",
-                "mean time that it worked without the person: from departed to arrived or failed",
+                "mean time for which the robot worked without the person: from departed to arrived or failed",
                 lambda row: _mean(row.figures.drives),
             ),
         ),
@@ -320,19 +325,18 @@ def fluency(design: ExperimentDesign, trial: RecordedTrial, game: AttentionFigur
             *attempt_columns(design),
             seconds(
                 "game_s",
-                "time from the event started to ended, or to the end of the recording; all times here are simulated",
+                "simulated time from the event started to the event ended, or to the end of the recording",
                 lambda row: row.game.duration,
             ),
             share(
                 "human_idle",
-                "share of the game in which no robot waited for the person: each was under way, did not answer, was "
-                "under "
-                "another command, or could not be sent anywhere and was not at an undecided treasure",
+                "share of the game in which no robot waited for the person: each robot was driving, silent or under "
+                "another command, or could not be sent to a room and was not at an undecided treasure",
                 lambda row: _over(row.game.person_waited, row.game.duration),
             ),
             share(
                 "robot_idle",
-                "share of the game in which a robot was not under way (departed to arrived or failed), mean over all "
+                "share of the game in which a robot did not drive (departed to arrived or failed), mean over all "
                 "robots",
                 lambda row: _mean(
                     [1.0 - each.under_way / row.game.duration for each in row.game.robots if row.game.duration]
@@ -340,26 +344,35 @@ def fluency(design: ExperimentDesign, trial: RecordedTrial, game: AttentionFigur
             ),
             share(
                 "concurrent_activity",
-                "share of the game in which one robot was under way while another waited for the person",
+                "share of the game in which at least one robot drove while another robot waited for the person",
                 lambda row: _over(row.game.both, row.game.duration),
             ),
             number(
                 "functional_delay",
                 "",
-                "sum of the times from a robot's event started, arrived or failed to the person's first act about it, "
-                "and from "
-                "their last act to its departed, divided by the duration of the game; only departures by the person "
-                "count; with "
-                "several robots it may be above 1",
+                "sum of delays divided by the duration of the game; delays: from the event started, arrived or failed "
+                "to the person's first act on the robot, and from the last act to departed; only departures by the "
+                "person count; may be above 1 for several robots",
                 lambda row: _over(math.fsum(row.all_of("delays")), row.game.duration),
             ),
-            seconds("attention_s", "as in robots, over all robots", lambda row: _mean(row.all_of("attention"))),
-            seconds("interaction_s", "as in robots, over all robots", lambda row: _mean(row.all_of("interaction"))),
-            seconds("neglect_s", "as in robots, over all robots", lambda row: _mean(row.all_of("drives"))),
+            seconds(
+                "attention_s",
+                "mean as in the table robots, but over all robots",
+                lambda row: _mean(row.all_of("attention")),
+            ),
+            seconds(
+                "interaction_s",
+                "mean as in the table robots, but over all robots",
+                lambda row: _mean(row.all_of("interaction")),
+            ),
+            seconds(
+                "neglect_s", "mean as in the table robots, but over all robots", lambda row: _mean(row.all_of("drives"))
+            ),
             number(
                 "fan_out",
                 "",
-                "neglect_s divided by interaction_s, plus 1 (Olsen and Goodrich 2003); empty without interaction",
+                "neglect_s divided by interaction_s, plus 1 (Olsen and Goodrich 2003); empty if there was no "
+                "interaction",
                 lambda row: row.fan_out,
                 1,
             ),

@@ -1,4 +1,4 @@
-"""Table of decisions: robots' advice, the person's choice and its time, and whether reliance was appropriate."""
+"""The table `decisions`: robots' advice, the person's choices, decision times and appropriate reliance."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -55,19 +55,19 @@ class GameDecision:
     """A decision in a game.
 
     Attributes:
-        robot: index in the team.
+        robot: index of the robot in the team.
         matter: "select-room", "take-picture" or "take-treasure".
-        by: who decided: "person", "robot" (alone), "ground station" or "researcher".
-        shown: time since the beginning of the game at which the options appeared, s.
+        by: decision maker: "person", "robot" (alone), "ground station" or "researcher".
+        shown: time since the start of the game at which the options appeared, s.
         chosen: time of the choice, s.
         done: time at which the choice was carried out, s.
-        options: possible choices at that time; empty if it is not a choice among a few.
-        choice: the room, the name, "picture", or "left".
+        options: possible choices at that time; empty except for select-room.
+        choice: the chosen room, the given name, "picture", or "left".
         advice: the room or name that the robot advised; empty if there was no advice.
         advised: time of the advice, s, or None.
-        advice_from: "asked" (an event advised), or "argued" (the robot asserted it); empty without advice.
-        confidence: confidence stated with the advice, or None.
-        is_right: True if the advice was right, or None if unknown.
+        advice_from: "asked" (an event advised), or "argued" (the robot asserted the advice); empty without advice.
+        confidence: stated confidence in the advice, or None.
+        is_right: True if the advice was right, None if this is unknown.
         first_choice: the person's proposal before the robot gave its opinion; may be empty.
         refused: True if the robot rejected or denied the person's proposal.
         dialogues: number of dialogues about the decision.
@@ -94,17 +94,17 @@ class GameDecision:
 
     @property
     def agreed(self) -> bool | None:
-        """True if the choice is the advice. None if there was no advice, or if the person did not decide."""
+        """True if the choice is equal to the advice. None if there was no advice, or if the person did not decide."""
         return self.choice == self.advice if self.advice and self.by == "person" else None
 
     @property
     def is_appropriate(self) -> bool | None:
-        """True if right advice was taken, or wrong advice was not taken. None if this is unknown."""
+        """True if the person took right advice or did not take wrong advice. None if this is unknown."""
         return None if self.agreed is None or self.is_right is None else self.agreed == self.is_right
 
     @property
     def disagreed(self) -> bool | None:
-        """True if the robot rejected the first choice, or advised something else. None without a first choice."""
+        """True if the robot rejected the first choice or advised another choice. None without a first choice."""
         return (self.refused or self.advice not in {"", self.first_choice}) if self.first_choice else None
 
     @property
@@ -115,7 +115,7 @@ class GameDecision:
 
 @dataclass(slots=True)
 class _Matter:
-    """An open decision about a robot, and what has been said about it so far."""
+    """An open decision about a robot, with the relevant sentences and acts."""
 
     shown: float
     advice: str = ""
@@ -131,31 +131,31 @@ class _Matter:
     refused_last: str = ""
 
     def argued(self, time: float, advice: str, *, is_right: bool | None) -> None:
-        """Record that the robot has asserted a choice. Advice that it was asked for takes precedence."""
+        """Record that the robot asserted a choice. Advice at the person's request has priority."""
         if self.advice_from != "asked":
             self.advice, self.advised, self.advice_from, self.is_right = advice, time, "argued", is_right
 
 
 @dataclass(slots=True)
 class _Opening:
-    """State at the opening of a dialogue, as known to its robot's planner."""
+    """State at the start of a dialogue, for the planner of the robot."""
 
     state: GameState
     discussed: tuple[Discussed, ...]
 
     def planned(self, planner: TeamPlanner, robot: int) -> str | None:
-        """Return the room that a robot without errors would suggest, as people count rooms, or None."""
+        """Return the room number that a robot without errors would suggest, or None."""
         advice = Adviser(planner).advise(self.state, self.discussed, robot)
         return None if isinstance(advice, RequestRefused) else str(advice.planned.people)
 
 
 def decisions_of(recording: GameRecording, planner: TeamPlanner = TeamPlanner.JOINT) -> Iterator[GameDecision]:
-    """Yield the decisions of a game that were carried out, in order.
+    """Yield all decisions of a game that were carried out, in order.
 
     Args:
         recording: recording of the game.
-        planner: the robots' planner. A room that a robot argues for is right if the robot would have suggested it when
-            the dialogue was opened.
+        planner: the robots' planner. A robot's argument for a room is right if the planner suggested this room at the
+            start of the dialogue.
     """
     open_: dict[tuple[int, str], _Matter] = {}
     openings: dict[int, _Opening] = {}
@@ -170,7 +170,7 @@ def decisions_of(recording: GameRecording, planner: TeamPlanner = TeamPlanner.JO
     def made(each: TimedEvent, robot: int, matter: str, choice: str, points: int | None = None) -> GameDecision:
         about = open_.pop((robot, matter), _Matter(each.time))
         command = each.before.robots[robot].command.by
-        # A robot that has the last word, and rejected a room, drives to the room it wants.
+        # If the robot's last sentence rejected a room, the robot drives to the room of its own choice.
         is_alone = about.alone or about.refused_last not in {"", choice}
         by = "robot" if is_alone else "person" if command is Commander.PARTICIPANT else str(command)
         rooms = rules.affordable(each.before, robot) if matter == "select-room" else ()
@@ -247,7 +247,7 @@ def decisions_of(recording: GameRecording, planner: TeamPlanner = TeamPlanner.JO
                     about.spoke, about.refused_last = time, ""
                 elif said.move == "reject" and said.scenario == "select-room":
                     about.refused_last = str(said.room)
-                # Robots that do not argue ask about the person's chosen room, or suggest one.
+                # Robots that do not argue ask about the person's chosen room, or suggest a room.
                 proposed = opens and not argues and said.scenario == "select-room" and said.room is not None
                 if proposed and advised_at.get(said.robot) != time and not about.first_choice and not about.advice:
                     about.first_choice = str(said.room)
@@ -272,14 +272,14 @@ def decisions_of(recording: GameRecording, planner: TeamPlanner = TeamPlanner.JO
 
 
 def _denied(move: DialogueMoveRecord) -> bool:
-    """Return True for a move against a room or a name."""
+    """Return True if a dialogue move is against a room or a name."""
     if move.locution == "assert" and move.content.startswith("not "):
         return bool(_NEXT.fullmatch(move.content[4:]) or _TREASURE.fullmatch(move.content[4:]))
     return move.locution == "reject" and bool(_NEXT.fullmatch(move.content) or _TREASURE.fullmatch(move.content))
 
 
 def _come_up(open_: dict[tuple[int, str], _Matter], robot: int, time: float) -> None:
-    """Open the decision on the next room, after the one on the treasure, unless it has already been discussed."""
+    """Open the decision on the next room after a decision on the treasure. If it was already discussed, do nothing."""
     about = open_.get((robot, "select-room"))
     if about is not None and not about.talks and not about.advice:
         open_[robot, "select-room"] = _Matter(time)
@@ -294,7 +294,7 @@ def _is_treasure(now: TimedEvent | None, robot: int, name: str) -> bool | None:
 
 @dataclass(frozen=True, slots=True)
 class _Numbered:
-    """A decision of a trial with its number."""
+    """A decision in a trial, with its number."""
 
     trial: RecordedTrial
     number: int
@@ -318,57 +318,71 @@ def decisions(design: ExperimentDesign, trial: RecordedTrial, made: Sequence[Gam
         "a decision that was carried out in a trial",
         (
             *attempt_columns(design),
-            whole("decision", "number in the trial, from 1", lambda row: row.number, least=1),
+            whole("decision", "number of the decision in the trial, from 1", lambda row: row.number, least=1),
             whole(
-                "robot", "number of the robot that it is about, from 1", lambda row: number_of(row.made.robot), least=1
+                "robot", "number of the robot in this decision, from 1", lambda row: number_of(row.made.robot), least=1
             ),
-            text("matter", "select-room, take-picture or take-treasure", lambda row: row.made.matter),
-            text("decided_by", "person, robot (alone), ground station or researcher", lambda row: row.made.by),
+            text(
+                "matter",
+                "kind of the decision: select-room, take-picture or take-treasure",
+                lambda row: row.made.matter,
+            ),
+            text(
+                "decided_by",
+                "decision maker: person, robot (alone), ground station or researcher",
+                lambda row: row.made.by,
+            ),
             text(
                 "options",
-                "numbers of the rooms to which the robot could be sent at that time; empty for other matters",
+                "for select-room: numbers of the rooms to which the robot could be sent at that time",
                 lambda row: "; ".join(row.made.options) or None,
             ),
             text(
-                "advice", "room or name that the robot advised; empty: no advice", lambda row: row.made.advice or None
+                "advice",
+                "room or name that the robot advised; empty if there was no advice",
+                lambda row: row.made.advice or None,
             ),
             text(
                 "advice_from",
-                "asked: the robot was asked or made an offer (event advised); argued: it asserted it in a dialogue "
-                "game",
+                "source of the advice; asked: the person asked or the robot offered it (event advised); argued: the "
+                "robot asserted it in a dialogue game",
                 lambda row: row.made.advice_from or None,
             ),
-            share("confidence", "confidence stated with the advice", lambda row: row.made.confidence),
+            share("confidence", "confidence that the robot stated for the advice", lambda row: row.made.confidence),
             flag(
                 "advice_right",
-                "whether the advised room is that of the robot's planner (for argued: computed again from the recorded "
-                "game at "
-                "the beginning of the dialogue), or the advised name is the treasure's; empty: not recorded",
+                "true if the advised room is the planner's room (for argued: computed from the recorded game at the "
+                "start of the dialogue), or the advised name is the treasure's name; empty if this was not recorded",
                 lambda row: row.made.is_right,
             ),
             text(
                 "first_choice",
-                "the person's proposal before the robot advised anything",
+                "the person's proposal before the robot gave advice",
                 lambda row: row.made.first_choice or None,
             ),
             flag(
                 "disagreed",
-                "whether the robot rejected or denied the first choice, or advised another; empty: no first choice",
+                "true if the robot rejected or denied the first choice or advised another choice; empty without a "
+                "first "
+                "choice",
                 lambda row: row.made.disagreed,
             ),
-            text("choice", "room, name, picture, or left (the treasure was given up)", lambda row: row.made.choice),
+            text(
+                "choice",
+                "chosen room, given name, picture, or left (the person gave up the treasure)",
+                lambda row: row.made.choice,
+            ),
             seconds(
                 "shown_s",
-                "simulated time since the game began at which the decision arose; for a room: started, arrived, "
-                "failed, or the "
-                "end of the decision on the treasure where the robot stands; for a treasure: arrived",
+                "simulated time since the start of the game at which the decision became possible; for a room: event "
+                "started, arrived or failed, or end of the decision on the treasure in the robot's room; for a "
+                "treasure: event arrived",
                 lambda row: row.made.shown,
             ),
             seconds(
                 "decision_s",
-                "simulated time from shown_s to the choice: to the person's last sentence about it, or, if nothing was "
-                "said, "
-                "to the act itself",
+                "simulated time from shown_s to the choice; time of the choice: the person's last sentence about the "
+                "decision, or the act if the person said nothing",
                 lambda row: row.made.chosen - row.made.shown,
             ),
             seconds(
@@ -378,36 +392,39 @@ def decisions(design: ExperimentDesign, trial: RecordedTrial, made: Sequence[Gam
             ),
             seconds(
                 "shown_wall_s",
-                f"shown_s in real time, accurate to {TOLERANCE:g} s, without the time until another program resumed "
-                f"the game; "
-                f"empty for rehearsals and for games of earlier releases",
+                f"shown_s in real time, accurate to {TOLERANCE:g} s, without the time between a crash and the resume "
+                "of "
+                f"the game; empty for rehearsals and for games of earlier releases",
                 lambda row: row.trial.wall(0.0, row.made.shown),
             ),
             seconds(
                 "decision_wall_s",
-                "decision_s in real time, with the same limits",
+                "decision_s in real time; accuracy and empty values as for shown_wall_s",
                 lambda row: row.trial.wall(row.made.shown, row.made.chosen),
             ),
             seconds(
                 "after_advice_wall_s",
-                "after_advice_s in real time, with the same limits",
+                "after_advice_s in real time; accuracy and empty values as for shown_wall_s",
                 lambda row: None if row.made.advised is None else row.trial.wall(row.made.advised, row.made.chosen),
             ),
             flag(
-                "agreed", "whether the person chose what was advised; empty without advice", lambda row: row.made.agreed
+                "agreed",
+                "true if the person's choice was the advice; empty without advice",
+                lambda row: row.made.agreed,
             ),
             flag(
                 "appropriate",
-                "appropriate reliance: right advice taken, or wrong advice refused",
+                "appropriate reliance: true if the person took right advice or refused wrong advice",
                 lambda row: row.made.is_appropriate,
             ),
             flag(
                 "switched",
-                "whether the person gave up a first choice after the robot disagreed; empty: it did not disagree",
+                "true if the person gave up the first choice after the robot disagreed; empty if the robot did not "
+                "disagree",
                 lambda row: row.made.switched,
             ),
-            count("dialogues", "number of dialogues about it", lambda row: row.made.dialogues),
-            whole("points", "points for a name that was given", lambda row: row.made.points),
+            count("dialogues", "number of dialogues about the decision", lambda row: row.made.dialogues),
+            whole("points", "points for the given name", lambda row: row.made.points),
         ),
     )
     return table.of(_Numbered(trial, number, each) for number, each in enumerate(made, start=1))

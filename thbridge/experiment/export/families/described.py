@@ -1,4 +1,4 @@
-"""Described tables: each column has a unit, a meaning, and the function that computes its values."""
+"""Tables with descriptions: each column has a unit, a meaning, and a function that computes its values."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import numpy as np
 from thbridge.files.tables.table_files import Column, OptionalColumn, Values
 
 CellValue = str | int | float | bool | None
-"""Value in a table, or None if there is none."""
+"""Value in a table. None is a missing value."""
 Row = dict[str, CellValue]
 Subject_contra = TypeVar("Subject_contra", contravariant=True)
 """Object that a row describes."""
@@ -29,15 +29,15 @@ class ColumnDescription:
     """Description of a column for the data dictionary.
 
     Attributes:
-        name: unique in its table.
-        kind: "string", "time" (a date and time in UTC as ISO 8601), "float64", "int64" or "bool"; any value may be
-            missing.
+        name: name of the column, unique in its table.
+        kind: "string", "time" (a date and time in UTC as ISO 8601), "float64", "int64" or "bool". Values of each kind
+            may be missing.
         unit: "s", or empty.
-        meaning: meaning as a phrase for people.
+        meaning: meaning of the column, as a phrase for people.
         least: least possible value, or None if unknown.
         greatest: greatest possible value, or None if unknown.
-        role: role in the design.
-        levels: levels of a factor, in the design's order.
+        role: role of the column in the design.
+        levels: levels of a factor, in the order of the design.
     """
 
     name: str
@@ -51,7 +51,7 @@ class ColumnDescription:
 
     @property
     def column(self) -> Column:
-        """The column as it is written to files."""
+        """The column in the form for files."""
         return Column(self.name, "string" if self.kind == "time" else self.kind, self.unit, self.meaning)
 
 
@@ -64,7 +64,7 @@ class ValuedColumn(Generic[Subject_contra]):
 
 
 def text(name: str, meaning: str, value: Callable[[Subject_contra], str | None]) -> ValuedColumn[Subject_contra]:
-    """Return a column of words."""
+    """Return a column of texts."""
     return ValuedColumn(ColumnDescription(name, "string", "", meaning), value)
 
 
@@ -117,9 +117,9 @@ class ExperimentTable:
     """A table of an experiment, or a part of such a table.
 
     Attributes:
-        name: name of its file.
+        name: name of the table's file.
         meaning: meaning of a row, as a phrase.
-        columns: descriptions of its columns.
+        columns: descriptions of the columns.
         rows: rows with a value for each column.
     """
 
@@ -135,12 +135,12 @@ class ExperimentTable:
 
 @dataclass(frozen=True, slots=True)
 class TableOf(Generic[Subject_contra]):
-    """A table that is made from subjects, with one row for each.
+    """Definition of a table with one row for each object of a kind.
 
     Attributes:
-        name: name of its file.
+        name: name of the table's file.
         meaning: meaning of a row, as a phrase.
-        columns: columns in their order.
+        columns: columns in order.
     """
 
     name: str
@@ -148,7 +148,7 @@ class TableOf(Generic[Subject_contra]):
     columns: tuple[ValuedColumn[Subject_contra], ...]
 
     def of(self, subjects: Iterable[Subject_contra]) -> ExperimentTable:
-        """Return the table of these subjects."""
+        """Return the table for these objects."""
         rows = tuple({each.described.name: each.value(subject) for each in self.columns} for subject in subjects)
         return ExperimentTable(self.name, self.meaning, tuple(each.described for each in self.columns), rows)
 

@@ -1,4 +1,4 @@
-"""Tables of answers, item by item, and of the scores computed from them."""
+"""The tables `answers` and `scores`: answers to items, and scores of forms."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -39,7 +39,7 @@ class _GivenItem:
 
     @property
     def answer(self) -> Answer | None:
-        """The answer given, or None."""
+        """The final answer, or None."""
         return _answer(self.times.answer)
 
 
@@ -53,7 +53,7 @@ class GivenScore:
         subscale: name of the score.
         items: items of the score.
         value: the score, or None if too few items were answered.
-        answered: number of items that were answered with a number.
+        answered: number of items with a number as the answer.
         scoring: rule by which the score is computed from its items.
     """
 
@@ -67,7 +67,7 @@ class GivenScore:
 
     @property
     def share(self) -> float | None:
-        """The score, scaled from 0 (the least that its items allow) to 1, both for means and for sums, or None."""
+        """The score scaled to 0 (smallest possible score) to 1 (greatest possible score), or None without a score."""
         if self.value is None:
             return None
         count = len(self.items) if self.scoring is Scoring.MEAN else 1
@@ -94,64 +94,63 @@ def answers(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> Exp
 
     table: TableOf[_GivenItem] = TableOf(
         "answers",
-        "an item that was shown",
+        "an item that a person saw",
         (
             *attempt_columns(design),
             text("item", "id of the item in its form", lambda row: row.item.id),
-            text("scale", "kind of answer", lambda row: str(row.item.scale)),
+            text("scale", "type of the answer", lambda row: str(row.item.scale)),
             text(
                 "answer",
-                "the answer as given; several options are joined by semicolons; empty: not answered",
+                "the answer; several options are separated by semicolons; empty if there is no answer",
                 lambda row: None if row.answer is None else _words(row.answer),
             ),
             flag(
                 "not_applicable",
-                "whether it was answered as not applicable",
+                "true if the answer is: not applicable",
                 lambda row: row.times.answer == NOT_APPLICABLE and row.item.not_applicable,
             ),
-            number("value", "", "the answer as a number, as given; empty if it is not a number", value),
+            number("value", "", "the answer as a number, not reversed; empty if it is not a number", value),
             number(
                 "keyed",
                 "",
-                "the number that counts for the score: reversed if the form's key says so",
+                "the number for the score, reversed for reversed items",
                 lambda row: _known(keyed(row.item, row.answer)) if row.item.score else None,
             ),
-            flag("right", "whether the answer is right; empty for items without a right answer", is_right),
-            flag("attention", "whether the item only checks attention", lambda row: row.item.attention),
+            flag("right", "true if the answer is right; empty for items without a right answer", is_right),
+            flag("attention", "true if the item is an attention check", lambda row: row.item.attention),
             flag(
                 "timed_out",
-                "whether the time limit closed it, with the answer so far; otherwise an item without an answer is "
-                "missing",
+                "true if the item was closed at its time limit; then the answer at that time counts",
                 lambda row: row.times.timed_out,
             ),
             text(
                 "options_shown",
-                "the answers of a choice in the order in which the person saw them, joined by semicolons; empty if all "
-                "people "
-                "see the form's order",
+                "possible answers in the order on the person's screen, separated by semicolons; empty if all people "
+                "see "
+                "the form's order",
                 lambda row: "; ".join(row.times.options) or None,
             ),
             seconds(
                 "seen_s",
-                "time from the display of the item to its answer",
+                "time from the display of the item to the final answer",
                 lambda row: between(row.times.shown, row.times.given),
             ),
             seconds(
                 "hesitation_s",
-                "time from the display of the item to the first touch",
+                "time from the display of the item to the person's first action",
                 lambda row: between(row.times.shown, row.times.touched),
             ),
-            count("changes", "number of changes before the answer was given", lambda row: row.times.changes),
-            count("pasted", "number of characters that were pasted into it", lambda row: row.times.pasted),
+            count("changes", "number of changes before the final answer", lambda row: row.times.changes),
+            count("pasted", "number of characters pasted into the answer", lambda row: row.times.pasted),
         ),
     )
     return table.of(items())
 
 
 def attention_checks(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> dict[str, list[bool]]:
-    """Return for each participant, by id, the result of each attention check that they reached: True if passed.
+    """Return the results of all attention checks that were shown, by the participant's id. True means passed.
 
-    A check that was closed without an answer is failed. A check that was not reached does not count.
+    A check that was closed without an answer counts as failed. Checks that were not shown do not count.
     """
     passed: dict[str, list[bool]] = {}
     for subject, form in _with_forms(design, subjects):
@@ -188,9 +187,9 @@ def scores(design: ExperimentDesign, given: Sequence[GivenScore]) -> ExperimentT
         (
             *attempt_columns(design),
             text("subscale", "name of the score in its form", lambda row: row.subscale),
-            number("score", "", "score by the form's key; empty if too few items were answered", lambda row: row.value),
+            number("score", "", "value of the score; empty if too few items were answered", lambda row: row.value),
             count("items", "number of items of the score", lambda row: len(row.items)),
-            count("answered", "number of its items that were answered with a number", lambda row: row.answered),
+            count("answered", "number of items of the score with a number as the answer", lambda row: row.answered),
         ),
     )
     return table.of(given)

@@ -1,4 +1,4 @@
-"""The recording of a trial's game, read for tables: its events, utterances and moves with their times."""
+"""Reader of a trial's recording for the tables: events, utterances and dialogue moves, with their times."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -29,10 +29,10 @@ class TimedEvent:
     """An event of the hunt.
 
     Attributes:
-        time: time since the beginning of the game, s.
+        time: time since the start of the game, s.
         event: the event.
-        before: state of the game before it.
-        after: state after it.
+        before: state of the game before the event.
+        after: state of the game after the event.
     """
 
     time: float
@@ -43,7 +43,7 @@ class TimedEvent:
 
 @dataclass(frozen=True, slots=True)
 class TimedUtterance:
-    """An utterance, and its time in seconds since the beginning of the game."""
+    """An utterance, and its time in seconds since the start of the game."""
 
     time: float
     said: UtteranceRecord
@@ -51,7 +51,7 @@ class TimedUtterance:
 
 @dataclass(frozen=True, slots=True)
 class TimedMove:
-    """A move in a dialogue game, and its time in seconds since the beginning of the game."""
+    """A move in a dialogue game, and its time in seconds since the start of the game."""
 
     time: float
     move: DialogueMoveRecord
@@ -62,11 +62,11 @@ Happening = TimedEvent | TimedUtterance | TimedMove
 
 @dataclass(frozen=True, slots=True)
 class RecordedTrial:
-    """A trial with the recording of its game.
+    """A trial and the recording of its game.
 
     Attributes:
         trial: the trial.
-        recording: recording of its game.
+        recording: recording of the trial's game.
     """
 
     trial: Trial
@@ -83,7 +83,7 @@ class RecordedTrial:
         return self.trial.attempt
 
     def wall(self, begin: float, end: float | None) -> float | None:
-        """Return the real time between two moments of the game, or None if unknown. All times are in seconds."""
+        """Return the real time between two simulated times of the game, s, or None if unknown."""
         if end is None:
             return None
         start, stop = (self.trial.wall(self.recording.began + moment) for moment in (begin, end))
@@ -92,14 +92,14 @@ class RecordedTrial:
 
 @dataclass(slots=True)
 class GameRecording:
-    """Parts of a game's recording that tables need. If a recording has several games, only the last one is kept.
+    """Contents of a game's recording for the tables. If a recording has several games, this is the last game.
 
     Attributes:
         happenings: events, utterances and moves, in order.
         collisions: number of collisions of each robot, by its index.
-        duration: time from the beginning to the end of the game, or of the recording, s.
-        games: dialogue games.
-        began: time at which the game began, s of simulated time since the first tick of the recording.
+        duration: time from the start to the end of the game, or to the end of the recording, s.
+        games: the dialogue games.
+        began: simulated time from the first tick of the recording to the start of the game, s.
     """
 
     happenings: list[Happening] = field(default_factory=list)
@@ -133,7 +133,7 @@ def read_game(bag: Path) -> GameRecording:
     """Read a game.
 
     Raises:
-        BadFile: the recording has no game that this version can read.
+        BadFile: the recording has no game that this release can read.
     """
     builder = _Builder()
     try:
@@ -142,8 +142,8 @@ def read_game(bag: Path) -> GameRecording:
         end_ns = info(bag).end_ns
         return builder.recording(end_ns)
     except ValueError as error:
-        remedy = "Export with the version of the program that recorded it"
-        raise BadFile(bag, f"its game cannot be read ({error})", remedy) from None
+        remedy = "Use the release of thbridge that recorded the game"
+        raise BadFile(bag, f"the game in this recording cannot be read ({error})", remedy) from None
 
 
 class _Builder:
@@ -159,7 +159,7 @@ class _Builder:
     def take(self, message: RawMessage) -> None:
         """Process a message. Raises ValueError if it cannot be read."""
         if message.md5 != types.plain_definition(message.msgtype).md5:
-            raise ValueError(f"{message.topic} has a {message.msgtype} of another release")
+            raise ValueError(f"{message.topic} has the type {message.msgtype} of another release")
         time = (message.stamp_ns - self._begin_ns) / 1e9
         match message.msgtype:
             case types.GAME_EVENT:
@@ -183,13 +183,13 @@ class _Builder:
             return
         event = from_json(record.json)
         if isinstance(event, DialogueOpened | DialogueSaid | KeyUsed):
-            raise ValueError(f"an event {record.kind}, which only journals have")
+            raise ValueError(f"it has an event {record.kind}, which is only valid in journals")
         if isinstance(event, GameStarted):
             self._recording, self._dialogues, self._ended = GameRecording(), DialogueGatherer(), None
             self._begin_ns, self._state = stamp_ns, game.begin(event)
             self._recording.began = (stamp_ns - START_NS) / 1e9
         if self._state is None:
-            raise ValueError("it has no beginning of a game")
+            raise ValueError("the start of the game is missing")
         time, before = (stamp_ns - self._begin_ns) / 1e9, self._state
         self._state = game.apply(before, event)
         if isinstance(event, GameEnded):
@@ -197,7 +197,7 @@ class _Builder:
         self._recording.happenings.append(TimedEvent(time, event, before, self._state))
 
     def recording(self, end_ns: int | None) -> GameRecording:
-        """Return the recording so far. Raises ValueError if there was no game."""
+        """Return the present recording. Raises ValueError if it has no game."""
         if self._state is None:
             raise ValueError("it has no game")
         end = 0.0 if end_ns is None else (end_ns - self._begin_ns) / 1e9

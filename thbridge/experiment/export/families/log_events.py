@@ -1,4 +1,4 @@
-"""Table of all events of a log."""
+"""The table `events`: all events of a log."""
 
 import json
 from collections.abc import Sequence
@@ -18,12 +18,12 @@ from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.events import LoggedEvent, RunState
 
 LEFT_OUT = frozenset({"external_id", "code"})
-"""Data of events that is never exported, because it could identify people."""
+"""Names of event data that are never exported, because they could identify people."""
 
 
 @dataclass(frozen=True, slots=True)
 class _TableEvent:
-    """An event, and whether the run that it belongs to counts."""
+    """An event, with True if its run counts."""
 
     entry: LoggedEvent
     counts: bool
@@ -37,29 +37,37 @@ def log_events(progress: Progress, events: Sequence[LoggedEvent]) -> ExperimentT
         (
             whole(
                 "sequence",
-                "number of the event in the log; missing numbers were deleted by withdrawals",
+                "number of the event in the log; events with missing numbers were deleted by withdrawals",
                 lambda row: row.entry.sequence,
                 least=1,
             ),
-            text("kind", "what happened", lambda row: row.entry.event.kind),
-            text("actor", "who caused it", lambda row: row.entry.event.actor),
+            text("kind", "kind of the event", lambda row: row.entry.event.kind),
+            text(
+                "actor",
+                "cause of the event: participant, experimenter, robot or program",
+                lambda row: row.entry.event.actor,
+            ),
             text(
                 "participant",
-                "id of the person; empty if it is about no person",
+                "id of the person; empty for events without a person",
                 lambda row: row.entry.event.participant or None,
             ),
-            flag("counts", "whether it belongs to a run that is complete and not excluded", lambda row: row.counts),
-            count("step", "number of the step, from 1; 0: none", lambda row: row.entry.event.step),
+            flag("counts", "true if the event's run is complete and not excluded", lambda row: row.counts),
+            count("step", "number of the step, from 1; 0 for events without a step", lambda row: row.entry.event.step),
             text("condition", "condition of the step", lambda row: row.entry.event.condition or None),
-            count("cause", "sequence of the event that caused it; 0: none", lambda row: row.entry.event.cause),
+            count(
+                "cause",
+                "sequence number of the event that caused this event; 0 if there is none",
+                lambda row: row.entry.event.cause,
+            ),
             time(
                 "wall",
-                "date and time, UTC; wall clocks jump, so order by sequence",
+                "date and time, UTC; clocks may jump, so sort rows by the column sequence",
                 lambda row: row.entry.event.clocks.wall,
             ),
             whole(
                 "monotonic_ns",
-                "clock of the program that logged it; not comparable between programs",
+                "clock of the program that logged the event; values of different programs are not comparable",
                 lambda row: row.entry.event.clocks.monotonic_ns,
                 "ns",
             ),
@@ -72,12 +80,13 @@ def log_events(progress: Progress, events: Sequence[LoggedEvent]) -> ExperimentT
             number(
                 "lsl_s",
                 "s",
-                "clock of the Lab Streaming Layer, for recordings of other devices; empty if no markers were sent",
+                "time of the Lab Streaming Layer, for synchronization with other devices; empty if no markers were "
+                "sent",
                 lambda row: row.entry.event.clocks.lsl,
             ),
             text(
                 "data",
-                f"further data, as JSON; without {' and '.join(sorted(LEFT_OUT))}",
+                f"further data as JSON; {' and '.join(sorted(LEFT_OUT))} are never exported",
                 lambda row: json.dumps(
                     {name: value for name, value in (row.entry.event.data or {}).items() if name not in LEFT_OUT},
                     ensure_ascii=False,

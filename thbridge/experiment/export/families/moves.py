@@ -1,4 +1,4 @@
-"""Tables of utterances in games, and of dialogue games."""
+"""The tables `moves` and `dialogue_games`: utterances and dialogue games in trials."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ from thbridge.ros.messages.session_records import DialogueMoveRecord, UtteranceR
 
 @dataclass(frozen=True, slots=True)
 class _SaidMove:
-    """An utterance, or a move of a dialogue game that followed automatically."""
+    """An utterance, or an automatic move of a dialogue game."""
 
     run: Run
     attempt: Attempt
@@ -52,25 +52,25 @@ def moves(design: ExperimentDesign, trial: RecordedTrial) -> ExperimentTable:
         "a move in a dialogue of a trial",
         (
             *attempt_columns(design),
-            seconds("time_s", "simulated time since the game began", lambda row: row.time),
+            seconds("time_s", "simulated time since the start of the game", lambda row: row.time),
             whole("talk", "number of the dialogue, from 1", lambda row: row.talk),
             whole(
                 "robot",
-                "number of the robot that speaks or is addressed, from 1",
+                "number of the robot in this dialogue, from 1",
                 lambda row: number_of(row.said.robot),
                 least=1,
             ),
             text("speaker", "robot or human", lambda row: row.said.speaker),
-            text("author", "who decided on it: robot, person or wizard", lambda row: row.said.author),
+            text("author", "decision maker for this move: robot, person or wizard", lambda row: row.said.author),
             text(
                 "matter",
-                "select-room, take-picture or take-treasure; empty for moves that followed automatically",
+                "subject of the dialogue: select-room, take-picture or take-treasure; empty for automatic moves",
                 lambda row: row.said.scenario if isinstance(row.said, UtteranceRecord) else None,
             ),
-            text("locution", "kind of move, such as ask, assert, challenge or continue", lambda row: row.locution),
+            text("locution", "kind of the move, such as ask, assert, challenge or continue", lambda row: row.locution),
             text(
                 "game",
-                "name of the dialogue game; empty outside of one",
+                "name of the dialogue game; empty outside of dialogue games",
                 lambda row: None if row.move is None else row.move.game,
             ),
             whole(
@@ -80,36 +80,36 @@ def moves(design: ExperimentDesign, trial: RecordedTrial) -> ExperimentTable:
             ),
             text(
                 "content",
-                "what it is about, in a dialogue game",
+                "content of the move in a dialogue game",
                 lambda row: None if row.move is None else row.move.content,
             ),
             flag(
                 "booked",
-                "whether it followed automatically from the move before it",
+                "true for an automatic move, which follows from the move before",
                 lambda row: row.move is not None and row.move.is_booked,
             ),
             text(
-                "text", "the sentence; empty for a move that followed automatically", lambda row: row.said.text or None
+                "text", "the sentence; empty for automatic moves", lambda row: row.said.text or None
             ),
             count("words", "number of words in the sentence", lambda row: len(row.said.text.split())),
             flag(
                 "misheard",
-                "whether the robot misunderstood it as another move",
+                "true if the robot misunderstood this move as another move",
                 lambda row: row.move is not None and bool(row.move.heard),
             ),
             flag(
                 "repeated",
-                "whether the person says the same again in the same dialogue, as in repeated questions",
+                "true if the person already said the same sentence in this dialogue",
                 lambda row: row.is_repeated,
             ),
             seconds(
                 "reply_s",
-                "simulated time since the other side's last sentence in this dialogue; empty for a first one",
+                "simulated time since the last sentence of the other speaker in this dialogue; empty if there is none",
                 lambda row: row.waited,
             ),
             seconds(
                 "reply_wall_s",
-                "reply_s in real time, as in decisions",
+                "reply_s in real time; accuracy and empty values as for shown_wall_s in the table decisions",
                 lambda row: row.waited_wall,
             ),
         ),
@@ -169,33 +169,46 @@ def dialogue_games(design: ExperimentDesign, trial: RecordedTrial) -> Experiment
         (
             *attempt_columns(design),
             whole("robot", "number of the robot, from 1", lambda row: number_of(row.played.robot), least=1),
-            whole("talk", "number of the dialogue that it belongs to", lambda row: row.played.talk),
-            whole("game_number", "number from 1, unique for its robot", lambda row: row.played.number, least=1),
-            count("parent", "number of the game that waits for it; 0: none", lambda row: row.played.parent),
+            whole("talk", "number of the dialogue", lambda row: row.played.talk),
+            whole(
+                "game_number",
+                "number of the dialogue game, from 1, unique for each robot",
+                lambda row: row.played.number,
+                least=1,
+            ),
+            count(
+                "parent",
+                "number of the dialogue game that waits for this game; 0 if there is none",
+                lambda row: row.played.parent,
+            ),
             text("game", "name of the dialogue game, such as persuasion", lambda row: row.played.kind),
-            text("topic", "what it is about", lambda row: row.played.topic),
-            text("opener", "robot or human", lambda row: row.played.opener),
+            text("topic", "topic of the dialogue game", lambda row: row.played.topic),
+            text("opener", "side that opened the dialogue game: robot or human", lambda row: row.played.opener),
             text(
                 "end",
-                "such as agreement; unfinished: it was still open when the game ended",
+                "result, such as agreement; unfinished: the dialogue game was open at the end of the hunt",
                 lambda row: row.played.end,
             ),
-            count("moves", "number of moves, without those that followed automatically", lambda row: row.played.moves),
+            count("moves", "number of moves without automatic moves", lambda row: row.played.moves),
             count(
                 "challenges",
-                "depth: challenges in it and in the games that wait for it",
+                "depth: number of challenges in this dialogue game and in the games that wait for it",
                 lambda row: row.played.challenges,
             ),
             text(
                 "gave_in",
-                "side that finally accepted what it had opposed; empty: neither side",
+                "side that finally accepted a claim that it had opposed: robot or human; empty if there is none",
                 lambda row: row.played.gave_in or None,
             ),
-            seconds("began_s", "simulated time of its first move since the game began", lambda row: row.played.began),
-            seconds("ended_s", "simulated time of its last move since the game began", lambda row: row.played.ended),
+            seconds(
+                "began_s", "simulated time from the start of the hunt to the first move", lambda row: row.played.began
+            ),
+            seconds(
+                "ended_s", "simulated time from the start of the hunt to the last move", lambda row: row.played.ended
+            ),
             seconds(
                 "replied_s",
-                "time that the person took for their moves, without the first",
+                "total time that the person needed for their moves, except the first move",
                 lambda row: row.played.replied,
             ),
         ),

@@ -1,4 +1,4 @@
-"""Tables of people and of their steps."""
+"""The tables `participants` and `steps`: people, and their attempts at steps."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ from thbridge.experiment.store.events import StepOutcome
 
 @dataclass(frozen=True, slots=True)
 class _Person:
-    """A run with its attempts, and whether each attention check was passed."""
+    """A run with its attempts and the results of its attention checks."""
 
     run: Run
     attempts: Sequence[Attempt]
@@ -28,15 +28,15 @@ class _Person:
 
     @property
     def consent(self) -> Attempt | None:
-        """The answered question for consent."""
+        """The consent step that the person answered last, or None."""
         asked = [each for each in self.attempts if each.step.entry.step is StepKind.CONSENT]
-        # A person who declines leaves at once, so the step has no end.
+        # If a person declines, the run ends during this step. So the step has no outcome.
         answered = [each for each in asked if each.consent is not None or each.outcome is StepOutcome.DONE]
         return answered[-1] if answered else None
 
     @property
     def agreed(self) -> bool | None:
-        """The person's answer, or None if they were not asked."""
+        """True if the person gave consent, False if they declined, None if no step asked for consent."""
         if self.consent is None:
             return None
         answer = {} if self.consent.consent is None else self.consent.consent
@@ -44,14 +44,14 @@ class _Person:
 
     @property
     def debriefed(self) -> bool | None:
-        """True once the person has read a debriefing to its end; None if the study has none."""
+        """True if the person finished a debriefing, None if the study has no debriefing."""
         if all(step.entry.step is not StepKind.DEBRIEF for step in self.run.plan):
             return None
         read = (each.outcome is StepOutcome.DONE for each in self.attempts if each.step.entry.step is StepKind.DEBRIEF)
         return any(read)
 
     def told_of_consent(self, name: str) -> str | None:
-        """Return a value that the log has for the person's answer, or None."""
+        """Return a value of the log's data about the consent answer, or None."""
         answer = None if self.consent is None or self.consent.consent is None else self.consent.consent.get(name)
         return None if answer is None else str(answer)
 
@@ -70,43 +70,57 @@ def participants(
 
     table: TableOf[_Person] = TableOf(
         "participants",
-        "a person who began",
+        "a person who started the study",
         (
             *run_columns(design),
-            text("state", "under way, complete, declined, left or excluded", lambda row: str(row.run.state)),
-            text("reason", "reason for leaving or being excluded", lambda row: row.run.reason or None),
+            text(
+                "state",
+                "state of the run: under way, complete, declined, left or excluded",
+                lambda row: str(row.run.state),
+            ),
+            text("reason", "reason why the person left or was excluded", lambda row: row.run.reason or None),
             count("place", "number of the place, from 0", lambda row: row.run.place.number),
             text(
                 "cell",
-                "combination of levels of all factors between people; empty if no factor differs between them",
+                "combination of levels of all factors between people; empty if there are no factors between people",
                 lambda row: design.cells[row.run.place.cell].name or None,
             ),
-            text("order", "conditions in the order in which this person meets them", order),
-            time("began", "date and time, UTC", lambda row: row.attempts[0].began if row.attempts else None),
+            text("order", "conditions in the order of this person", order),
+            time(
+                "began",
+                "date and time of the start, UTC",
+                lambda row: row.attempts[0].began if row.attempts else None,
+            ),
             time(
                 "ended",
-                "date and time of the last step's end, UTC",
+                "date and time of the end of the last step, UTC",
                 lambda row: row.attempts[-1].ended or None if row.attempts else None,
             ),
-            seconds("duration_s", "time in all steps, by the program's clock; empty if a step was resumed", duration),
-            flag("agreed", "whether the person agreed to take part; empty: not asked", lambda row: row.agreed),
+            seconds(
+                "duration_s", "total time in all steps, from the program's clock; empty if a step was resumed", duration
+            ),
+            flag(
+                "agreed",
+                "true if the person agreed to take part; empty if no step asked for consent",
+                lambda row: row.agreed,
+            ),
             time(
                 "agreed_at",
-                "date and time of the answer, UTC",
+                "date and time of the answer to the consent question, UTC",
                 lambda row: None if row.consent is None else row.consent.consent_at or row.consent.ended,
             ),
             text(
                 "consent_sha256",
-                "SHA-256 of the text that the person agreed to or declined; empty if the log does not have it",
+                "SHA-256 of the consent text that the person answered; empty if it is not in the log",
                 lambda row: row.told_of_consent("version"),
             ),
             count(
-                "attention_checks", "number of attention checks that the person reached", lambda row: len(row.attention)
+                "attention_checks", "number of attention checks that the person saw", lambda row: len(row.attention)
             ),
-            count("attention_passed", "number of these with the right answer", lambda row: sum(row.attention)),
+            count("attention_passed", "number of passed attention checks", lambda row: sum(row.attention)),
             flag(
                 "debriefed",
-                "whether the person read a debriefing; empty: the study has none",
+                "true if the person read a debriefing; empty if the study has no debriefing",
                 lambda row: row.debriefed,
             ),
         ),
@@ -125,23 +139,28 @@ def steps(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> Exper
             *attempt_columns(design),
             text(
                 "outcome",
-                "done, failed, passed over or lost; empty while it is under way",
+                "outcome of the attempt: done, failed, passed over (skipped) or lost; empty if the attempt has not "
+                "ended",
                 lambda row: None if row.attempt.outcome is None else str(row.attempt.outcome),
             ),
-            time("began", "date and time, UTC", lambda row: row.attempt.began),
+            time("began", "date and time of the start, UTC", lambda row: row.attempt.began),
             seconds(
                 "duration_s",
-                "time in the step, by the program's clock (for a text: reading time); empty if it was resumed",
+                "time in the step, from the program's clock (for a text: reading time); empty if it was resumed",
                 lambda row: row.attempt.duration,
             ),
             count(
                 "read_again",
-                "number of times that the instructions were read again",
+                "number of times that the person opened the instructions again",
                 lambda row: row.attempt.read_again,
             ),
-            count("resumed", "number of times that another program resumed it", lambda row: row.attempt.resumed),
-            count("away", "number of times that another window took the focus", lambda row: row.attempt.away),
-            seconds("away_s", "time for which other windows had the focus", lambda row: row.attempt.away_ns / 1e9),
+            count(
+                "resumed", "number of times that the step was resumed after a crash", lambda row: row.attempt.resumed
+            ),
+            count("away", "number of times that another window got the keyboard focus", lambda row: row.attempt.away),
+            seconds(
+                "away_s", "time for which other windows had the keyboard focus", lambda row: row.attempt.away_ns / 1e9
+            ),
         ),
     )
     return table.of(subjects)

@@ -1,4 +1,4 @@
-"""Table of reliance: shares of right advice that was taken and of wrong advice that was refused, and stated trust."""
+"""The table `reliance`: how often people took right advice and refused wrong advice, and their stated trust."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from thbridge.experiment.export.families.trials import Trial
 from thbridge.experiment.progress import Run
 
 TRUST = "trust"
-"""Name of the subscale that states trust."""
+"""Name of the score for stated trust."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,9 +22,9 @@ class RelianceSubject:
     Attributes:
         run: run of the person.
         attempt: attempt at the trial.
-        set_rate: share of wrong advice that the study sets.
+        set_rate: share of wrong advice in the study's settings.
         advised: decisions of the person with advice.
-        trust: trust that was stated afterwards, 0 to 1, or None.
+        trust: trust that the person stated afterwards, 0 to 1, or None.
     """
 
     run: Run
@@ -34,7 +34,7 @@ class RelianceSubject:
     trust: float | None
 
     def shares(self, name: str, *, right: bool | None = None) -> float | None:
-        """Return the share of decisions with this property; `right` limits it to right or wrong advice."""
+        """Return the share of decisions with a property. `right` restricts this to right or wrong advice."""
         of_them = [each for each in self.advised if right is None or each.is_right is right]
         known = [value for each in of_them if (value := getattr(each, name)) is not None]
         return sum(known) / len(known) if known else None
@@ -47,7 +47,7 @@ class RelianceSubject:
 
     @property
     def error_rate(self) -> float | None:
-        """Share of wrong advice, among advice known to be right or wrong."""
+        """Share of wrong advice. Advice that is not known to be right or wrong does not count."""
         right = self.shares("is_right")
         return None if right is None else 1.0 - right
 
@@ -81,28 +81,35 @@ def reliance_of(
 
 
 def reliance(design: ExperimentDesign, subjects: Sequence[RelianceSubject]) -> ExperimentTable:
-    """Return the rows of reliance in trials."""
+    """Return the rows of the table `reliance` for trials."""
     table: TableOf[RelianceSubject] = TableOf(
         "reliance",
-        "a trial: how the person relied on the robots' advice",
+        "a trial: the person's reliance on the robots' advice",
         (
             *attempt_columns(design),
             count(
-                "advised", "number of decisions of the person with advice, of any matter", lambda row: len(row.advised)
+                "advised", "number of the person's decisions with advice, of all kinds", lambda row: len(row.advised)
             ),
             count(
                 "advised_known",
-                "number of these with advice that is known to be right or wrong",
+                "number of the person's decisions with advice that is known to be right or wrong",
                 lambda row: sum(each.is_right is not None for each in row.advised),
             ),
-            share("agreed", "share of advice that was taken", lambda row: row.shares("agreed")),
+            share("agreed", "share of advice that the person took", lambda row: row.shares("agreed")),
             share(
-                "taken_when_right", "share of right advice that was taken", lambda row: row.shares("agreed", right=True)
+                "taken_when_right",
+                "share of right advice that the person took",
+                lambda row: row.shares("agreed", right=True),
             ),
-            share("refused_when_wrong", "share of wrong advice that was not taken", lambda row: row.refused_wrong),
+            share(
+                "refused_when_wrong",
+                "share of wrong advice that the person did not take",
+                lambda row: row.refused_wrong,
+            ),
             share(
                 "appropriate",
-                "appropriate reliance: share of known advice that was right and taken, or wrong and refused",
+                "appropriate reliance: share of advice (known to be right or wrong) that was right and taken, or wrong "
+                "and not taken",
                 lambda row: row.shares("is_appropriate"),
             ),
             share(
@@ -110,19 +117,24 @@ def reliance(design: ExperimentDesign, subjects: Sequence[RelianceSubject]) -> E
                 "share of first choices that the person gave up after a robot disagreed",
                 lambda row: row.shares("switched"),
             ),
-            share("error_rate_set", "share of wrong advice that the study sets", lambda row: row.set_rate),
-            share("error_rate", "share of known advice in this trial that was wrong", lambda row: row.error_rate),
+            share("error_rate_set", "share of wrong advice in the study's settings", lambda row: row.set_rate),
+            share(
+                "error_rate",
+                "share of wrong advice in this trial, among advice known to be right or wrong",
+                lambda row: row.error_rate,
+            ),
             share(
                 "trust",
-                "the score trust of the form filled in for the same condition, from 0 (least possible) to 1",
+                "score `trust` of a form in the same condition, scaled to 0 (smallest possible) to 1 (greatest "
+                "possible)",
                 lambda row: row.trust,
             ),
             number(
                 "calibration",
                 "",
-                "trust minus the share of right advice: above 0, there was more trust than the advice deserved; empty "
-                "if either "
-                "is unknown",
+                "trust minus the share of right advice; above 0, the person trusted the advice too much; empty if "
+                "trust "
+                "or share is unknown",
                 lambda row: row.calibration,
                 -1,
                 1,

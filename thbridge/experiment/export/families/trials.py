@@ -1,4 +1,4 @@
-"""Table of trials, including whether their recordings are unchanged."""
+"""The table `trials`: games of people, and the states of their recordings."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,20 +33,20 @@ class RecordingState(StrEnum):
 
     AS_RECORDED = "as recorded"
     CHANGED = "changed"
-    """Its hash differs from the one in the log."""
+    """The recording's hash differs from the hash in the log."""
     MISSING = "missing"
     NONE = "none"
-    """No game was played, or none to its end."""
+    """No game was finished, so there is no recording."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """A game that a person was to play, in a trial or in practice.
+    """A game of a person, in a trial or practice step.
 
     Attributes:
         run: run of the person.
         attempt: attempt at the game's step.
-        recording: state of its recording.
+        recording: state of the game's recording.
     """
 
     run: Run
@@ -55,18 +55,18 @@ class Trial:
 
     @property
     def bag(self) -> str | None:
-        """Path of its recording in the study's folder, or None."""
+        """Path of the recording relative to the study's folder, or None."""
         told = self.told("bag")
         return None if told is None else str(told)
 
     def wall(self, simulated: float) -> float | None:
-        """Return the real time, s since the first tick, at a simulated time; None if the log has none."""
-        # Sums of times may differ from a tick's time by rounding, even at the last tick.
+        """Return the real time since the first tick, s, at a simulated time. None if it is not in the log."""
+        # Because of rounding, sums of times may differ slightly from a tick's time.
         return real_time(self.course, round(simulated, 3))
 
     @property
     def course(self) -> list[tuple[float, float]]:
-        """Pairs of simulated and real time, s, in order; empty if the log has none."""
+        """Pairs of simulated and real time, s, in order. Empty if the log has no such times."""
         told, course = self.told("course"), []
         for pair in told if isinstance(told, list) else ():
             match pair:
@@ -75,7 +75,7 @@ class Trial:
         return course
 
     def told(self, name: str) -> JsonValue:
-        """Return a value that the log has for the game, or None."""
+        """Return a value of the log's data about the game, or None."""
         return None if self.attempt.game is None else self.attempt.game.get(name)
 
 
@@ -124,20 +124,20 @@ def trials(design: ExperimentDesign, subjects: Sequence[Trial]) -> ExperimentTab
 
     table: TableOf[Trial] = TableOf(
         "trials",
-        "a game of a person; the columns kind and counts show which games are practice",
+        "a game of a person; practice games have the kind practice and do not count",
         (
             *attempt_columns(design),
             text("condition", "levels of all factors within people", condition),
             text(
                 "cell",
-                "combination of levels of all factors between people; empty if no factor differs between them",
+                "combination of levels of all factors between people; empty if there are no factors between people",
                 lambda row: design.cells[row.run.place.cell].name or None,
             ),
             whole("seed", "random seed of the game", lambda row: seed_of(design, row.attempt)),
             whole("score", "points at the end", lambda row: told_count(row, "score")),
             text(
                 "over",
-                "reason for the end: all-visited, no-move-left or given-up; empty: the time limit ended it",
+                "reason for the end of the game: all-visited, no-move-left or given-up; empty for the time limit",
                 lambda row: told_text(row, "over"),
             ),
             count("rooms_visited", "number of rooms that robots reached", lambda row: told_count(row, "rooms_visited")),
@@ -146,61 +146,66 @@ def trials(design: ExperimentDesign, subjects: Sequence[Trial]) -> ExperimentTab
             ),
             seconds(
                 "sim_seconds",
-                "simulated time from start to end of the game",
+                "simulated time from the start to the end of the game",
                 lambda row: told_number(row, "sim_seconds"),
             ),
             seconds(
                 "wall_seconds",
-                "real time from start to end of the game, without the time until another program resumed it; empty for "
-                "rehearsals and for games of earlier releases",
+                "real time from the start to the end of the game, without the time between a crash and the resume; "
+                "empty for rehearsals and for games of earlier releases",
                 lambda row: told_number(row, "wall_seconds"),
             ),
             seconds(
                 "most_lag_s",
-                "largest lag of simulated time behind real time, on a machine that is too slow; empty as in "
-                "wall_seconds",
+                "largest lag of simulated time behind real time, on a slow machine; empty values as for wall_seconds",
                 lambda row: told_number(row, "most_lag_seconds"),
             ),
             share(
                 "late_share",
-                f"share of the real time in which ticks ran more than {LATE:g} s late; empty as in wall_seconds",
+                f"share of the real time in which ticks were more than {LATE:g} s late; empty values as for "
+                "wall_seconds",
                 late_share,
             ),
             number(
-                "energy_left", "", "energy left to all robots together", lambda row: told_number(row, "energy_left")
+                "energy_left",
+                "",
+                "total remaining energy of all robots, game units",
+                lambda row: told_number(row, "energy_left"),
             ),
-            time("began", "date and time, UTC", lambda row: row.attempt.began),
+            time("began", "date and time of the start, UTC", lambda row: row.attempt.began),
             seconds(
                 "duration_s",
-                "time in the step, by the program's clock; empty if it was resumed",
+                "time in the step, from the program's clock; empty if the step was resumed",
                 lambda row: row.attempt.duration,
             ),
-            count("resumed", "number of times that another program resumed it", lambda row: row.attempt.resumed),
+            count(
+                "resumed", "number of times that the step was resumed after a crash", lambda row: row.attempt.resumed
+            ),
             count(
                 "crashed",
-                "number of games that were begun in it and abandoned",
+                "number of games of this step that were started and abandoned after a crash",
                 lambda row: row.attempt.broken_off + (row.attempt.outcome is StepOutcome.LOST),
             ),
             flag(
                 "finished",
-                "whether the step was finished",
+                "true if the person finished the step",
                 lambda row: row.attempt.outcome is StepOutcome.DONE,
             ),
             text(
                 "bag",
-                "recording of the game, in the study's folder (split: NAME_0.bag, ...); empty without one",
+                "recording of the game, relative to the study's folder (split recording: NAME_0.bag, ...); empty if "
+                "there is none",
                 lambda row: row.bag,
             ),
             text(
                 "sha256",
-                "SHA-256 of the recording, as in the log; for a split one, of its files one after the other",
+                "SHA-256 of the recording, from the log; for a split recording, of all its files in order",
                 lambda row: told_text(row, "sha256"),
             ),
             text(
                 "recording",
-                "state of the recording at this export: as recorded, changed, missing, or none. Tables of games only "
-                "have rows "
-                "of recordings that are as recorded",
+                "state of the recording at this export: as recorded (unchanged), changed, missing or none; tables of "
+                "games use only unchanged recordings",
                 lambda row: str(row.recording),
             ),
         ),

@@ -1,1 +1,1 @@
-"""The text of a paper's Method section, under the headings of APA's reporting standards."""
+"""Text for the Method section of a paper, with the headings of APA's reporting standards."""

@@ -1,4 +1,4 @@
-"""Design of an experiment in words: factors, assignment of people to groups, orders of conditions."""
+"""Text on the design of an experiment: factors, assignment of people to groups, orders of conditions."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -12,7 +12,7 @@ from thbridge.experiment.store.events import RunState
 
 
 def design_section(records: ExperimentRecords, people: str) -> Iterator[str]:
-    """Yield the lines of the section; `people` are "participants" or "simulated participants"."""
+    """Yield the lines of the section. `people` is "participants" or "simulated participants"."""
     design = records.design
     yield "### Conditions and design"
     yield ""
@@ -25,14 +25,14 @@ def design_section(records: ExperimentRecords, people: str) -> Iterator[str]:
     yield from table("Factors", ("Factor", "Varied", "Levels", "Meaning of the setting"), factors)
     if factors:
         yield from paragraph(
-            "[The meaning of each level for the participants, how it follows from the hypotheses, and how you checked "
-            "that participants noticed it.]"
+            "[Meaning of each level for the participants, the hypotheses behind the levels, and how you checked that "
+            "participants noticed the differences.]"
         )
     yield from paragraph(_assignment(design, people), _order(design, people), _seeds(design))
     if factors:
         yield from paragraph(
-            "[Who knew a participant's condition: the participants themselves, the experimenters, those who analyzed "
-            "the data; and what participants knew of the hypotheses.]"
+            "[State who knew a participant's condition: participants, experimenters, data analysts. State what "
+            "participants knew about the hypotheses.]"
         )
     if len(design.orders) > 1:
         yield from table("Analyzed by group and order", ("Group", "Order of conditions", "n"), _places(records))
@@ -62,14 +62,14 @@ def _kind(design: ExperimentDesign) -> str:
     conditions = counted(len(design.conditions), "condition")
     if not within:
         return (
-            f"The study had a {crossed}between-participants design with {groups}: each participant met one of them, in "
-            f"{'all games' if _trials(design) > 1 else 'one game'}."
+            f"The study had a {crossed}between-participants design with {groups}: each participant played "
+            f"{'all games' if _trials(design) > 1 else 'one game'} in the condition of one group."
         )
     if not between:
-        return f"The study had a {crossed}within-participants design: each participant met all of the {conditions}."
+        return f"The study had a {crossed}within-participants design: each participant played in all {conditions}."
     return (
         f"The study had a {crossed}mixed design. {joined(list(between))} varied between participants ({groups}), "
-        f"{joined(list(within))} within participants ({conditions}; each participant met all of them)."
+        f"{joined(list(within))} within participants (each participant played in all {conditions})."
     )
 
 
@@ -87,10 +87,9 @@ def _assignment(design: ExperimentDesign, people: str) -> str:
     times = "once" if file.in_block == 1 else f"{file.in_block} times"
     return (
         f"The program assigned {people} to groups at random in blocks of {len(design.cells) * file.in_block}. Each "
-        f"group occurs {times} in a block, in an order drawn from seed {file.seed}. The assignment was made when "
-        f"{begins} started the run; the sequence follows from the seed in the study's file. If a run did not count, "
-        f"the "
-        f"next participant took its group."
+        f"group occurs {times} in a block, in a random order (seed {file.seed} in the study's file). The program made "
+        f"the assignment when {begins} started the run. If a run did not count, the next participant was assigned to "
+        f"the same group."
     )
 
 
@@ -99,22 +98,23 @@ def _order(design: ExperimentDesign, people: str) -> str:
     if count == 1:
         return ""
     if design.file.order is OrderKind.FIXED:
-        return f"All {people} met the conditions in the same order, so condition and order are confounded."
+        return f"All {people} played the conditions in the same order, so condition and order are confounded."
     square = (
-        "a balanced Latin square (Williams, 1949): each condition takes each place, and directly follows each other "
-        "condition, equally often"
+        "a balanced Latin square (Williams, 1949): each condition is equally often at each position, and equally often "
+        "directly after each other condition"
         if design.file.order is OrderKind.BALANCED
-        else "a cyclic Latin square: each condition takes each place equally often; carry-over is not balanced"
+        else "a cyclic Latin square: each condition is equally often at each position; carry-over is not balanced"
     )
     within = " within each group" if len(design.cells) > 1 else ""
     uneven = (
-        f" The {design.file.quota} planned runs{within} are not a multiple of {orders}, so some orders occur once more."
+        f" The {design.file.quota} planned runs{within} are not a multiple of {orders}, so some orders occur one more "
+        "time."
         if design.file.quota % orders
         else ""
     )
     return (
         f"The order of conditions was counterbalanced with {orders} orders from {square}. The program assigned the "
-        f"orders at random in blocks{within}, from seed {design.file.seed}.{uneven}"
+        f"orders at random in blocks{within} (seed {design.file.seed}).{uneven}"
     )
 
 
@@ -124,10 +124,10 @@ def _seeds(design: ExperimentDesign) -> str:
         return ""
     seeds = joined([str(drawn_seed(design, trial)) for trial in range(trials)])
     if trials == 1:
-        return f"The game of each participant had the same random seed ({seeds}), hence the same hidden treasures."
+        return f"The game of each participant had the same random seed ({seeds}), and so the same hidden treasures."
     return (
-        f"The random seed of a game, which determines its hidden treasures, depended on the number of the game and not "
-        f"on its condition: {seeds}, in this order for all participants."
+        f"The random seed of a game determines its hidden treasures. The seed depended on the number of the game and "
+        f"not on its condition: {seeds}, in this order for all participants."
     )
 
 

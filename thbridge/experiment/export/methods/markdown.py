@@ -1,26 +1,26 @@
-"""Markdown of the methods text: paragraphs, lists, tables, numbers with their nouns."""
+"""Markdown of the methods text: paragraphs, lists, tables, and numbers with nouns."""
 
 import statistics
 from collections.abc import Iterable, Sequence
 
 Spread = tuple[int, str, str, str]
-"""Number of values, their median, least and greatest value."""
+"""Number of values, median, smallest value, greatest value."""
 
 
 def paragraph(*sentences: str) -> list[str]:
-    """Return a paragraph of the sentences that are not empty, or no lines if all are empty."""
+    """Return the lines of a paragraph with all sentences that are not empty. If all are empty, return no lines."""
     said = " ".join(" ".join(each.split()) for each in sentences if each)
     return [said, ""] if said else []
 
 
 def listing(items: Iterable[str]) -> list[str]:
-    """Return a list, or no lines without items."""
+    """Return the lines of a list. Without items, return no lines."""
     lines = [f"* {' '.join(item.split())}" for item in items]
     return [*lines, ""] if lines else []
 
 
 def table(caption: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
-    """Return a table under its caption, or no lines without rows."""
+    """Return the lines of a caption and its table. Without rows, return no lines."""
     lines = [_row(row) for row in rows]
     return [f"*{caption}*", "", _row(header), f"|{'---|' * len(header)}", *lines, ""] if lines else []
 
@@ -31,7 +31,7 @@ def _row(cells: Sequence[object]) -> str:
 
 
 def counted(number: int, one: str, several: str = "") -> str:
-    """Return a number with its noun: "1 item", "2 items"."""
+    """Return a number with a noun: "1 item", "2 items"."""
     return f"{number} {one if number == 1 else several or one + 's'}"
 
 
@@ -48,7 +48,7 @@ def listed(answers: Iterable[str]) -> str:
 
 
 def sentence(text: str, gap: str) -> str:
-    """Return the researcher's text as a sentence with a final period. If it is empty, return the gap in brackets."""
+    """Return the researcher's text as a sentence with a final period. If the text is empty, return the gap."""
     said = text.strip()
     if not said:
         return f"[{gap}]"
@@ -56,5 +56,5 @@ def sentence(text: str, gap: str) -> str:
 
 
 def spread(values: Sequence[float]) -> Spread:
-    """Return the spread of times, in seconds."""
+    """Return the number, median, minimum and maximum of times in seconds, as texts."""
     return len(values), f"{statistics.median(values):.0f} s", f"{min(values):.0f} s", f"{max(values):.0f} s"

@@ -1,4 +1,4 @@
-"""Materials and apparatus: the task, robots, programs, and settings that differ from the defaults."""
+"""Text on materials and apparatus: the task, robots, programs, and settings that are not the defaults."""
 
 from collections.abc import Iterator, Mapping
 
@@ -22,7 +22,7 @@ def materials_section(records: ExperimentRecords, versions: Mapping[str, str], p
     yield ""
     if any(entry.step is StepKind.TRIAL for entry in design.file.steps):
         yield from paragraph(*_task(design))
-        yield from paragraph("[A figure of the window, as participants saw it.]")
+        yield from paragraph("[A picture of the participant's window.]")
     software = f"thbridge {versions.get('thbridge', '[version]')} with Python {versions.get('python', '[version]')}"
     language = f"The language of the program's own texts was {same_in_all(design, 'dialogue.language')}."
     shown = "No window was shown." if records.is_rehearsal else "All pages and games were shown in one window."
@@ -34,7 +34,7 @@ def materials_section(records: ExperimentRecords, versions: Mapping[str, str], p
     differ = list(settings_that_differ(design))
     yield from table("Settings of the games that differ from the defaults", ("Key", "Default", "Here"), differ)
     if not differ:
-        yield from paragraph("All settings of the games were the defaults of this version.")
+        yield from paragraph("All settings of the games were the defaults of this release.")
 
 
 def _task(design: ExperimentDesign) -> Iterator[str]:
@@ -46,13 +46,14 @@ def _task(design: ExperimentDesign) -> Iterator[str]:
         f"(map {value('map')}; treasures {value('templates')})."
     )
     yield (
-        "The participant sent robots to rooms, could have pictures taken there, and named the treasure of a room. Each "
-        f"robot started with {value('game.energy')} units of energy. A move cost energy, a picture "
-        f"{value('game.picture_cost')} units, and naming a treasure {value('game.identify_cost')}."
+        "The participant sent robots to rooms, could order pictures there, and named the treasure in a room. Each "
+        "robot "
+        f"started with {value('game.energy')} units of energy. A move cost energy. A picture cost "
+        f"{value('game.picture_cost')} units, and naming a treasure cost {value('game.identify_cost')}."
     )
     share = value("game.wrong_share")
     loss = "lost the same number of points" if share == "1" else f"lost {share} of that number"
-    yield f"A right name won the points of the treasure; a wrong name {loss}."
+    yield f"A right name won the points of the treasure. A wrong name {loss}."
     limits = sorted({entry.max_seconds for entry in design.file.steps if entry.step is StepKind.TRIAL})
     yield (
         "A game ended when all rooms were visited, when no robot could pay for a move, when the participant ended it, "
@@ -73,9 +74,10 @@ _CONDITIONS = {
     "supervisor": "In the condition *supervisor*, robots did what the participant said.",
     "script": "In the condition *script*, robots asked fixed questions before they acted, and the participant decided.",
     "collaborator": (
-        "In the condition *collaborator*, robots argued with the participant, and nothing happened before both agreed."
+        "In the condition *collaborator*, robots argued with the participant, and both sides had to agree before a "
+        "robot acted."
     ),
     "adviser": "In the condition *adviser*, robots argued with the participant, who had the last word.",
     "autonomous": "In the condition *autonomous*, robots argued with the participant and had the last word.",
 }
-"""Sentence about each condition of dialogues."""
+"""Sentence about each dialogue condition."""

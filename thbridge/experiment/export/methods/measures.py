@@ -1,4 +1,4 @@
-"""Measures: questionnaires with their items, scales, keys and sources; reliability; measures of the games."""
+"""Text on measures: questionnaires with items, scales, scores and sources; reliability; measures of the games."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -12,7 +12,7 @@ from thbridge.experiment.questionnaires.scoring import Answer, reliability_of
 from thbridge.experiment.store.events import RunState
 
 ITEMS_SHOWN = 40
-"""Largest number of items of a form that the text lists. The form's file has the others."""
+"""Largest number of items of a form in the text. The form's file has all items."""
 
 
 def measures_section(records: ExperimentRecords) -> Iterator[str]:
@@ -34,21 +34,21 @@ def measures_section(records: ExperimentRecords) -> Iterator[str]:
     )
     if reliabilities:
         yield from paragraph(
-            "n is the number of participants who answered all items. Omega is that of a single factor, fitted to the "
+            "n is the number of participants who answered all items. Omega is from a single factor, fitted to the "
             "correlations of items by least squares."
         )
     if any(entry.step is StepKind.TRIAL for entry in steps):
         yield from paragraph(
-            "From the recording of each game the export computes: points, rooms visited and treasures named; decision "
-            "times; agreement with the robots' advice and appropriate reliance on it; switches after disagreement; "
-            "idle times and concurrent activity of human and robots (Hoffman, 2019); moves in dialogues. "
-            "`dictionary.csv` defines each of them with its unit.",
-            "[Which of these were primary and secondary outcomes, and which covariates were used.]",
+            "The export computes these measures from the recording of each game: points, rooms visited and treasures "
+            "named; decision times; agreement with the robots' advice and appropriate reliance on it; switches after "
+            "disagreement; idle times and concurrent activity of human and robots (Hoffman, 2019); moves in dialogues. "
+            "`dictionary.csv` defines each measure and its unit.",
+            "[State which of these measures were primary and secondary outcomes, and which covariates were used.]",
         )
 
 
 def _attention(records: ExperimentRecords, items: Sequence[Item]) -> Iterator[str]:
-    """Yield sentences on attention checks in questionnaires, and on the number of participants who failed some."""
+    """Yield sentences about attention checks in questionnaires and about the number of participants who failed."""
     asked = [item for item in items if item.attention]
     if not asked:
         return
@@ -56,10 +56,10 @@ def _attention(records: ExperimentRecords, items: Sequence[Item]) -> Iterator[st
     passed = attention_checks(records.design, complete).values()
     failed = sum(not all(each) for each in passed)
     total = sum(each.count(False) for each in passed)
-    yield f"{counted(len(asked), 'item')} of these only checked attention and counted for no score."
+    yield f"The questionnaires had {counted(len(asked), 'attention check')}, which did not count for scores."
     yield (
-        f"Of {counted(len(passed), 'participant')} analyzed who answered them, {failed} failed at least one "
-        f"({counted(total, 'failure')} in total)."
+        f"Of {counted(len(passed), 'analyzed participant')} who answered attention checks, {failed} failed at least "
+        f"one check ({counted(total, 'failure')} in total)."
     )
 
 
@@ -83,7 +83,7 @@ def _form(form: Form, *, each_condition: bool) -> Iterator[str]:
     rows = [
         (
             item.id,
-            item.text or "(the two words alone)",
+            item.text or "(only the two words)",
             scale_words(item),
             _purpose(item),
             "yes" if item.reverse else "",
@@ -105,8 +105,11 @@ def _scorings(form: Form) -> Iterator[str]:
         low, high = (min(low for low, _ in ranges) * share, max(high for _, high in ranges) * share)
         spans = f", from {low:g} to {high:g}" if len(ranges) == 1 else ""
         key = "no item reversed" if not reversed_ else f"{counted(reversed_, 'item')} reversed"
-        needed = "all of them" if form.answered >= 1.0 else f"at least {form.answered:.0%} of them"
-        yield f"The score *{name}* is the {how} of {counted(len(items), 'item')}{spans}, with {key}; it needs {needed}."
+        needed = "all answers" if form.answered >= 1.0 else f"at least {form.answered:.0%} of the answers"
+        yield (
+            f"The score *{name}* is the {how} of {counted(len(items), 'item')}{spans}, with {key}. The score needs "
+            f"{needed}."
+        )
 
 
 def scale_words(item: Item) -> str:

@@ -1,4 +1,4 @@
-"""Participants: numbers of those who began, finished and left; characteristics, recruitment, sample size."""
+"""Text on participants: numbers of people who started, finished and left; characteristics, recruitment, sample size."""
 
 import statistics
 from collections import Counter
@@ -17,12 +17,12 @@ from thbridge.experiment.store.events import EventKind, RunState
 END_BY_RESEARCHER = "ended by the researcher"
 WITHDRAWN = "withdrawn"
 _AGE, _GENDER = {"age"}, {"gender", "sex"}
-"""Ids of items with characteristics that a paper reports about its participants."""
+"""Ids of items about participants' characteristics that a paper must report."""
 
 
 @dataclass(frozen=True, slots=True)
 class PersonOutcome:
-    """Outcome of one person who began.
+    """Outcome of one person who started.
 
     Attributes:
         fate: a key of `FATES`.
@@ -44,11 +44,11 @@ FATES = {
     WITHDRAWN: ("Withdrew, data deleted", "withdrew and had all of their data deleted"),
     "under way": ("Still taking part", "were still taking part at the time of this export"),
 }
-"""Outcomes of people, as rows of the table and in a sentence, in their order."""
+"""Outcomes of people, in order: name of the table's row, and words for a sentence."""
 
 
 def participants_section(records: ExperimentRecords, people: str) -> Iterator[str]:
-    """Yield the lines of the section; `people` are "participants" or "simulated participants"."""
+    """Yield the lines of the section. `people` is "participants" or "simulated participants"."""
     file, outcomes = records.design.file, outcomes_of(records)
     planned, is_full = records.design.allocation.size, records.progress.next_place() is NoPlace.FULL
     counts = Counter(outcome.fate for outcome in outcomes)
@@ -63,22 +63,22 @@ def participants_section(records: ExperimentRecords, people: str) -> Iterator[st
     )
     yield from _flow(records, outcomes)
     yield from paragraph(
-        "[Who could take part: inclusion and exclusion criteria, such as age, language and experience.]",
+        "[State who could take part: inclusion and exclusion criteria, such as age, language and experience.]",
         *_characteristics(records),
     )
     yield from paragraph(
-        sentence(file.recruitment, "How, where and when people were recruited, and what they were paid."),
-        sentence(file.ethics, "Which ethics committee approved the study, and under which number."),
+        sentence(file.recruitment, "State how, where and when people were recruited, and their payment."),
+        sentence(file.ethics, "State which ethics committee approved the study, with the number of the approval."),
     )
 
 
 def _ended(number: int, words: str) -> str:
-    """Return the number of people with an outcome in words: "2 were excluded", "1 was excluded"."""
+    """Return a number of people with their outcome in words: "2 were excluded", "1 was excluded"."""
     return f"{number} {words.replace('were ', 'was ') if number == 1 else words}"
 
 
 def outcomes_of(records: ExperimentRecords) -> list[PersonOutcome]:
-    """Return the outcomes of all people who began, one for each."""
+    """Return one outcome for each person who started."""
     ended_by = {
         entry.event.participant: entry.event.actor
         for entry in records.events
@@ -93,7 +93,7 @@ def outcomes_of(records: ExperimentRecords) -> list[PersonOutcome]:
 
 
 def _flow(records: ExperimentRecords, outcomes: Sequence[PersonOutcome]) -> list[str]:
-    """Return the lines of the table of outcomes; with several groups, also by group."""
+    """Return the lines of the table of outcomes. If there are several groups, the table also has numbers by group."""
     cells = records.design.cells if len(records.design.cells) > 1 else ()
 
     def numbers(some: Sequence[PersonOutcome]) -> tuple[int | str, ...]:
@@ -109,7 +109,7 @@ def _flow(records: ExperimentRecords, outcomes: Sequence[PersonOutcome]) -> list
     rows.append(("Began, in total", "", *numbers(outcomes)))
     lines = table("Flow of participants", ("Outcome", "Reason", *(cell.name for cell in cells), "n"), rows)
     if cells and records.withdrawn:
-        lines += paragraph("The groups of those who withdrew are deleted with their data.")
+        lines += paragraph("The groups of people who withdrew were deleted with their data.")
     return lines
 
 
@@ -138,7 +138,7 @@ def _dates(records: ExperimentRecords) -> str:
 
 
 def _characteristics(records: ExperimentRecords) -> Iterator[str]:
-    """Yield sentences on age and gender if a form has items with these ids, and a gap for everything else."""
+    """Yield sentences about age and gender if a form has items with these ids, and a gap for all other information."""
     ages: dict[str, float] = {}
     genders: dict[str, str] = {}
     asked = {
@@ -163,9 +163,9 @@ def _characteristics(records: ExperimentRecords) -> Iterator[str]:
         shares = [f"{answer} ({number})" for answer, number in Counter(genders.values()).most_common()]
         yield f"They stated as their gender: {', '.join(shares)}."
     missing = [name for name, known in (("age (M, SD, range)", ages), ("gender", genders)) if not known]
-    also = "experience with robots and games, and other characteristics that matter"
+    also = "experience with robots and games, and other important characteristics"
     gap = joined([*missing, also])
-    yield f"[{gap[0].upper()}{gap[1:]}, as they were asked.]"
+    yield f"[{gap[0].upper()}{gap[1:]}, with the questions that you asked.]"
 
 
 def sample_size_section(records: ExperimentRecords) -> Iterator[str]:
@@ -179,13 +179,12 @@ def sample_size_section(records: ExperimentRecords) -> Iterator[str]:
         f"The planned sample size was {design.allocation.size}{each}.",
         sentence(
             file.sample_size_reason,
-            "Reason for this number: a power analysis with the effect size that it assumes and its source, the "
-            "precision "
-            "wanted, or the resources available. `thbridge study power` estimates power by rehearsals.",
+            "Reason for this number: a power analysis (state the assumed effect size and its source), the desired "
+            "precision, or the available resources. `thbridge study power` estimates power by rehearsals.",
         ),
-        "The program was set to admit people until this number of complete runs that count was reached. If a run did "
-        "not count, its place was given to the next participant.",
-        "[Whether anyone looked at the data before its collection ended.]",
+        "The program was set to admit people until this number of valid runs was reached. If a run did not count, the "
+        "next participant got its place.",
+        "[State whether anyone looked at the data before the end of data collection.]",
     )
 
 

@@ -1,4 +1,4 @@
-"""Procedure: the steps of a participant in order, consent, checks with attempts and failures, durations."""
+"""Text on the procedure: steps of a participant, consent, checks with attempts and failures, durations."""
 
 import itertools
 from collections.abc import Iterator, Sequence
@@ -23,7 +23,7 @@ from thbridge.experiment.store.events import RunState, StepOutcome
 
 
 def procedure_section(records: ExperimentRecords, people: str) -> Iterator[str]:
-    """Yield the lines of the section; `people` are "participants" or "simulated participants"."""
+    """Yield the lines of the section. `people` is "participants" or "simulated participants"."""
     design = records.design
     yield "### Procedure"
     yield ""
@@ -84,7 +84,7 @@ def _step(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
         case StepKind.PAUSE:
             words = "Pause of any length"
         case StepKind.DEBRIEF:
-            scores = "with the score of each game and the best possible one" if entry.results else ""
+            scores = "with the score and the best possible score of each game" if entry.results else ""
             leavers = "also for participants who left or were excluded" if entry.when_leaving else ""
             words = ", ".join(filter(None, (f"Debriefing on screen ({entry.text})", scores, leavers)))
     only = " and ".join(f"{item} was answered “{answer}”" for item, answer in entry.when.items())
@@ -100,7 +100,7 @@ def _step(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
 
 
 def _practice(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
-    """Return the settings of a practice game, and what participants must do in it, in words."""
+    """Return the settings of a practice game and its requirements, in words."""
     own = [f"{key}: {value}" for key, value in practice_settings(design, index)]
     but = f", except for {', '.join(own)}" if own else ""
     demands = [
@@ -122,7 +122,7 @@ _DONE = {
     PracticeTerm.IDENTIFIED: "named treasure",
     PracticeTerm.DIALOGUES: "dialogue",
 }
-"""Word for one unit of each term that practice requires."""
+"""Noun for one unit of each requirement of practice games."""
 
 
 def _consent(records: ExperimentRecords, people: str) -> Iterator[str]:
@@ -141,16 +141,16 @@ def _consent(records: ExperimentRecords, people: str) -> Iterator[str]:
     )
     when = "before any data was collected" if asked < first_data else "after data had been collected"
     yield from paragraph(
-        f"Consent was asked for on screen, {when}; for those who did not agree, the study ended there.",
-        f"The text had the same version for all of those analyzed, with SHA-256 {texts}." if len(versions) == 1 else "",
-        f"The text was changed during the study; versions by their SHA-256, with n: {texts}."
+        f"The program asked for consent on screen, {when}. The study ended for people who did not agree.",
+        f"All analyzed people saw the same version of the text, with SHA-256 {texts}." if len(versions) == 1 else "",
+        f"The text was changed during the study. Versions by SHA-256, with n: {texts}."
         if len(versions) > 1
         else "",
     )
 
 
 def _check(records: ExperimentRecords, index: int, entry: StepEntry, people: str) -> Iterator[str]:
-    """Yield how a check was judged, and how often it was tried and failed."""
+    """Yield sentences about a check: questions, rule for passing, attempts and failures."""
     design, form = records.design, records.design.forms[index]
     asked = [item for item in form.items if item.is_checked]
     needed = len(asked) if entry.right is None else entry.right
@@ -159,7 +159,7 @@ def _check(records: ExperimentRecords, index: int, entry: StepEntry, people: str
     failed = (
         "Participants who failed the last attempt were excluded."
         if entry.failed is Failed.EXCLUDE
-        else "Participants who failed the last attempt continued; the data marks them."
+        else "Participants who failed the last attempt continued. The data mark these participants."
     )
     yield from paragraph(
         f"The check *{form.title}* had {counted(len(asked), 'question')} with a right answer; it took "
@@ -172,7 +172,7 @@ def _check(records: ExperimentRecords, index: int, entry: StepEntry, people: str
     )
     if any(item.correct_by_condition for item in asked) and design.conditions:
         yield from paragraph(
-            "If a right answer depends on the condition, it is the one for the participant's condition."
+            "If the right answer depends on the condition, the answer for the participant's condition counted as right."
         )
 
 
@@ -183,7 +183,7 @@ def _right(correct: str | None, by_condition: object) -> str:
 
 
 def _results(records: ExperimentRecords, index: int, people: str) -> Iterator[str]:
-    """Yield the number of people who passed a check, by attempt; for a check in each condition, over all conditions."""
+    """Yield the number of people who passed a check, by attempt. All conditions are counted together."""
     tried: dict[tuple[str, int], list[StepOutcome]] = {}
     for subject in records.subjects:
         step, outcome = subject.attempt.step, subject.attempt.outcome
@@ -199,8 +199,8 @@ def _results(records: ExperimentRecords, index: int, people: str) -> Iterator[st
     failures = sum(outcome is StepOutcome.FAILED for outcomes in tried.values() for outcome in outcomes)
     who = f"{len(tried)} times that it was asked" if each else f"{len(tried)} {people} who answered it"
     yield (
-        f"Of {who}, {first} passed at the first attempt, {later} at a later one, and {len(tried) - first - later} did "
-        f"not pass ({counted(attempts, 'attempt')}, {counted(failures, 'failure')})."
+        f"Of {who}, {first} passed at the first attempt, {later} at a later attempt, and {len(tried) - first - later} "
+        f"did not pass ({counted(attempts, 'attempt')}, {counted(failures, 'failure')})."
     )
 
 
@@ -222,7 +222,7 @@ def _durations(records: ExperimentRecords) -> Sequence[tuple[str, *Spread]]:
 
 
 def _whole(records: ExperimentRecords) -> list[float]:
-    """Return the total time in all steps of each analyzed person without an interrupted step."""
+    """Return the total time in all steps of each analyzed person. People with an interrupted step are left out."""
     of_person: dict[str, list[float | None]] = {}
     for subject in records.subjects:
         if subject.run.state is RunState.COMPLETE:

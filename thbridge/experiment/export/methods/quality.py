@@ -1,4 +1,4 @@
-"""Quality of the data: recordings, crashes, lag behind real time, distraction; exclusions and missing answers."""
+"""Text on the quality of the data: recordings, crashes, lag, distraction, exclusions and missing answers."""
 
 import statistics
 from collections import Counter
@@ -22,8 +22,9 @@ def quality_section(records: ExperimentRecords) -> Iterator[str]:
     yield "### Data collection and quality of measurements"
     yield ""
     yield from paragraph(
-        "Every event was logged on disk before the next page was shown; chained SHA-256 digests verify that the log is "
-        "complete and unchanged.",
+        "The program logged every event on disk before it showed the next page. Chained SHA-256 digests verify that "
+        "the "
+        "log is complete and unchanged.",
         *_games(games),
     )
     yield from paragraph(*_pace(records, games))
@@ -39,13 +40,13 @@ def _games(games: list[Trial]) -> Iterator[str]:
     if kinds[RecordingState.NONE] == len(games):
         yield "The games were not recorded."
     elif whole == len(games):
-        yield f"All {len(games)} games of those analyzed have an intact recording."
+        yield f"All {len(games)} games of analyzed people have an intact recording."
     else:
-        yield f"Of {len(games)} games of those analyzed, {whole} have an intact recording."
+        yield f"Of {len(games)} games of analyzed people, {whole} have an intact recording."
     if resumed := sum(trial.attempt.resumed > 0 for trial in games):
-        yield f"A crash interrupted {counted(resumed, 'game')}, which later resumed where it had stopped."
+        yield f"A crash interrupted {counted(resumed, 'game')}. The program later resumed from the same point."
     if again := sum(trial.attempt.broken_off > 0 for trial in games):
-        yield f"In {counted(again, 'step')} a game was broken off, and another one was played in its place."
+        yield f"In {counted(again, 'step')}, a game was abandoned after a crash, and another game was played instead."
 
 
 def _pace(records: ExperimentRecords, games: list[Trial]) -> Iterator[str]:
@@ -54,17 +55,20 @@ def _pace(records: ExperimentRecords, games: list[Trial]) -> Iterator[str]:
     bound = records.design.file.most_lag
     lags = [float(lag) for trial in games if isinstance(lag := trial.told("most_lag_seconds"), int | float)]
     if records.is_rehearsal:
-        yield "A rehearsal has no real time."
+        yield "A rehearsal does not run in real time."
     elif lags:
         yield (
             f"Simulated time was behind real time by at most {max(lags):.1f} s (largest lag of each game: median of "
             f"{counted(len(lags), 'game')} {statistics.median(lags):.1f} s)."
         )
     else:
-        yield "The log has no real time for these games; their times are simulated."
+        yield "The log has only simulated times of these games, no real times."
     if bound is not None:
         slow = sum(run.state is RunState.EXCLUDED and "behind real time" in run.reason for run in records.runs)
-        yield f"Runs with a game that was more than {bound:g} s behind did not count; this excluded {slow}."
+        yield (
+            f"Runs with a game that was more than {bound:g} s behind did not count. This rule excluded "
+            f"{counted(slow, 'run')}."
+        )
 
 
 def _lengths(games: list[Trial]) -> Iterator[tuple[object, ...]]:
@@ -79,7 +83,7 @@ def _distraction(records: ExperimentRecords) -> Iterator[str]:
     away = [attempt for attempt in own if attempt.away]
     if away:
         seconds = sum(attempt.away_ns for attempt in away) / 1e9
-        yield f"In {counted(len(away), 'step')} participants turned to another window, for {seconds:.0f} s in total."
+        yield f"In {counted(len(away), 'step')}, participants used another window, for {seconds:.0f} s in total."
     pasted = sum(times.pasted > 0 for attempt in own for times in attempt.items.values())
     if pasted:
         yield f"Text was pasted into {counted(pasted, 'answer')}."
@@ -96,7 +100,7 @@ def exclusions_section(records: ExperimentRecords) -> Iterator[str]:
         if entry.step is StepKind.CHECK and entry.failed is Failed.EXCLUDE
     ]
     if any(entry.resume is ResumeRule.NEVER for entry in file.steps):
-        rules.append("A crash in a step that must not be interrupted.")
+        rules.append("A crash during a step that must not be interrupted.")
     if file.most_lag is not None:
         rules.append(f"A game that was more than {file.most_lag:g} s behind real time.")
     if rules:
@@ -107,8 +111,8 @@ def exclusions_section(records: ExperimentRecords) -> Iterator[str]:
         yield from listing(file.exclusions)
     else:
         yield from paragraph(
-            "[Rules by which the researchers excluded runs or answers, and whether the rules were set before the data "
-            "was seen; or that there were none.]"
+            "[Rules by which the researchers excluded runs or answers. State whether the rules were set before the "
+            "researchers saw the data. Or state that there were no rules.]"
         )
     yield from paragraph("Practice games and checks did not count as data.", *_missing(records))
     yield from paragraph("[How outliers, missing answers and violated assumptions of the tests were handled.]")
@@ -132,12 +136,12 @@ def _missing(records: ExperimentRecords) -> Iterator[str]:
             optional += answer is None and not item.required
             inapplicable += item.not_applicable and answer == NOT_APPLICABLE
     if asked:
-        could = f" ({optional} of them for items that participants could leave out)" if optional else ""
+        could = f" ({optional} of them to optional items)" if optional else ""
         yield (
-            f"Of {counted(asked, 'answer')} to questionnaires, {empty} were empty{could} and {inapplicable} were not "
+            f"Of {counted(asked, 'answer')} to questionnaires, {empty} were empty{could}, and {inapplicable} were not "
             f"applicable."
         )
     scores = [score for score in records.scores if score.run.state is RunState.COMPLETE]
     scores = [score for score in scores if score.attempt.step.entry.step is StepKind.FORM]
     if lacking := sum(score.value is None for score in scores):
-        yield f"Of {counted(len(scores), 'score')}, {lacking} had too few answered items to be computed."
+        yield f"Of {counted(len(scores), 'score')}, {lacking} had too few answers for the computation."

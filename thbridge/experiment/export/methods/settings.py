@@ -1,4 +1,4 @@
-"""Settings of an experiment's games that differ from the program's defaults."""
+"""Settings of an experiment's games that are not the program's defaults."""
 
 import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 _NO_SETTINGS = ("seed", "server.", "watch.", "open_to", "keys")
-"""Prefixes of keys that participants do not notice. Seeds have their own sentence; the others concern the network."""
+"""Prefixes of keys without effect on participants. Seeds have their own sentence. The others concern the network."""
 
 
 def settings_that_differ(design: ExperimentDesign) -> Iterator[tuple[str, str, str]]:
-    """Yield key, default, and value of each setting that is not the default in some game; if it varies, all values."""
+    """Yield the key, default and value of each setting that is not the default. If it varies, list all values."""
     default = _flat(Study())
     found = [_flat(study) for cell in design.cells for study in cell.studies]
     for key in dict.fromkeys(key for settings in (default, *found) for key in settings):
@@ -28,7 +28,7 @@ def settings_that_differ(design: ExperimentDesign) -> Iterator[tuple[str, str, s
 
 
 def practice_settings(design: ExperimentDesign, index: int) -> Iterator[tuple[str, str]]:
-    """Yield key and value of each setting in which the practice game of a step differs from the participant's game."""
+    """Yield the key and value of each setting that differs between a practice game and the participant's game."""
     found: dict[str, dict[str, None]] = {}
     for cell, practices in zip(design.cells, design.practices.get(index, ()), strict=False):
         for study, practice in zip(cell.studies, practices, strict=True):
@@ -40,20 +40,20 @@ def practice_settings(design: ExperimentDesign, index: int) -> Iterator[tuple[st
 
 
 def same_in_all(design: ExperimentDesign, key: str) -> str:
-    """Return the value of a setting in all games; if it varies, all values."""
+    """Return the value of a setting in all games. If it varies, list all values."""
     values = (value_at(study, key) for cell in design.cells for study in cell.studies)
     return " or ".join(dict.fromkeys(_plain(as_yaml(value)) for value in values))
 
 
 def _plain(value: str) -> str:
-    """Return a number without an empty fraction, and any other text unchanged."""
+    """Return a number without a fraction of zero. Return any other text unchanged."""
     return value.removesuffix(".0")
 
 
 def meaning_of(key: str, levels: Sequence[str]) -> str:
-    """Return the meaning of a study key, listing only the values that are among these levels.
+    """Return the meaning of a study key. List only the values that are levels.
 
-    For a factor that sets several keys, return a gap to fill in.
+    For a factor that sets several keys, return a gap for the author.
     """
     section: object = StudyFile()
     meaning = ""
@@ -62,16 +62,16 @@ def meaning_of(key: str, levels: Sequence[str]) -> str:
             {field.name: field for field in dataclasses.fields(section)} if dataclasses.is_dataclass(section) else {}
         )
         if name not in fields:
-            return "[what its levels set]"
+            return "[settings of each level]"
         meaning = str(fields[name].metadata.get("help", ""))
         section = cast(object, getattr(section, name))
     what, _, values = meaning.partition(": ")
-    own = [value for value in values.split("; ") if value.partition(",")[0] in levels]
+    own = [value for value in values.split("; ") if value.partition(" (")[0] in levels]
     return f"{what}: {'; '.join(own)}" if len(own) == len(levels) else meaning
 
 
 def _flat(study: Study) -> Mapping[str, str]:
-    """Return the settings of a study by their keys, in the form of study files."""
+    """Return the settings of a study, by key, with the values as in study files."""
     return dict(_values(StudyFile.of(study), ""))
 
 
@@ -83,7 +83,7 @@ def _values(section: object, path: str) -> Iterator[tuple[str, str]]:
         if isinstance(value, Mapping):
             like = dict(_values(getattr(section, field.metadata["like"]), ""))
             for number, entry in value.items():
-                # A robot with its own settings lists only those that differ from the others.
+                # For a robot with its own settings, list only settings that differ from the other robots.
                 own = ((name, text) for name, text in _values(entry, "") if like.get(name) != text)
                 yield from ((f"{key}.{number}.{name}", text) for name, text in own)
         elif dataclasses.is_dataclass(value):

@@ -1,4 +1,4 @@
-"""The methods text: all sections, in the order of APA's reporting standards for quantitative research.
+"""The methods text: all sections in the order of APA's reporting standards for quantitative research.
 
 Source: Appelbaum et al., Journal article reporting standards for quantitative research in psychology (2018), tables 1
 and 2; the flow of participants after CONSORT (2010).
@@ -17,12 +17,12 @@ from thbridge.experiment.export.tables import ExperimentRecords
 
 
 def methods_text(records: ExperimentRecords, versions: Mapping[str, str], registered: str) -> str:
-    """Return the text. Information that is in neither the design nor the log is a gap in [brackets] to be filled in.
+    """Return the text. For information that is not in the design or log, the text has a gap in [brackets].
 
     Args:
         records: records of the experiment.
         versions: versions of the programs.
-        registered: sentence on the preregistration.
+        registered: sentence about the preregistration.
     """
     return "\n".join(_lines(records, versions, registered)).rstrip("\n") + "\n"
 
@@ -33,7 +33,7 @@ def _lines(records: ExperimentRecords, versions: Mapping[str, str], registered: 
     yield ""
     if records.is_rehearsal:
         yield from paragraph("**This is a rehearsal by programs. No number below describes human participants.**")
-    yield from paragraph("*Text in [brackets] is for you to write. Everything else comes from the study and its log.*")
+    yield from paragraph("*Replace all text in [brackets]. All other text comes from the study and its log.*")
     yield "## Method"
     yield ""
     yield from participants_section(records, people)
@@ -52,27 +52,27 @@ def _analysis(records: ExperimentRecords, registered: str) -> Iterator[str]:
     yield "### Analytic strategy"
     yield ""
     yield from paragraph(
-        "[Hypotheses with the test of each, confirmatory and exploratory; software; level of significance; correction "
-        "for several tests. The export's `analysis.py` and `analysis.R` compare conditions and groups, with effect "
-        "sizes, confidence intervals and Holm's correction: say if you used them.]"
+        "[Hypotheses with their tests, confirmatory and exploratory; software; level of significance; correction for "
+        "several tests. The export's `analysis.py` and `analysis.R` compare conditions and groups, with effect sizes, "
+        "confidence intervals and Holm's correction. State whether you used these scripts.]"
     )
     yield "### Preregistration and deviations"
     yield ""
     yield from paragraph(
-        registered, sentence(file.preregistration, "Where the study was registered, or that it was not.")
+        registered, sentence(file.preregistration, "State where the study was registered, or that it was not.")
     )
     if file.deviations:
         yield from paragraph("Deviations from the preregistration:")
         yield from listing(file.deviations)
     else:
-        yield from paragraph("[Each deviation from the preregistration with its reason, or that there was none.]")
+        yield from paragraph("[State each deviation from the preregistration with its reason, or that there was none.]")
     yield "### Availability of data and materials"
     yield ""
     yield from paragraph(
         sentence(
             file.data_availability,
-            "Where data, analysis code and materials are, under which license; or why they cannot be shared.",
+            "State where data, analysis code and materials are, and the license; or why they cannot be shared.",
         ),
-        "The study's folder has its design, texts and forms; the same version of the program can run it again. The "
-        "exported data follows Psych-DS.",
+        "The study's folder has its design, texts and forms. The same release of the program can run the study again. "
+        "The exported data follow Psych-DS.",
     )

@@ -9,15 +9,15 @@
 here <- dirname(sub("^--file=", "", grep("^--file=", commandArgs(FALSE), value = TRUE)[1]))
 outcomes_of <- list(
   trials = c("score", "rooms_visited"), reliance = "appropriate", fluency = c("human_idle", "concurrent_activity")
-) # columns that are compared in addition to all scores of forms; add yours
+) # columns that the script compares in addition to all scores of forms; add your own columns
 
-# Restores texts that look like formulas to spreadsheets; the export puts an apostrophe before them.
+# Removes the apostrophe that the export writes before texts that look like formulas of a spreadsheet.
 plain <- function(column) if (is.character(column)) sub("^'('*[=+@\t\r-])", "\\1", column) else column
 plain_texts <- function(read) { read[] <- lapply(read, plain); read }
 
 dictionary <- plain_texts(read.csv(file.path(here, "dictionary.csv"), colClasses = "character"))
 
-# Returns a table with the rows that are data; columns have their types: factors, numbers, booleans, times.
+# Returns the valid rows of a table. Columns have their types: factors, numbers, booleans, times.
 read_table <- function(name) {
   word <- if (grepl("_", name)) gsub(" ", "", tools::toTitleCase(gsub("_", " ", name))) else name
   file <- list.files(file.path(here, "data"), paste0("_description-", word, "_data.csv$"), full.names = TRUE)
@@ -61,7 +61,7 @@ all_outcomes <- function() {
   found
 }
 
-# Returns the rows of people who have a value in each condition, one row for each person and condition.
+# Returns the rows of people with a value in each condition, one row for each person and condition.
 complete_rows <- function(rows, within, between) {
   by <- rows[c("participant", rev(within), rev(between))]
   means <- aggregate(list(value = rows$value), by, mean)
@@ -74,7 +74,8 @@ cell_names <- function(rows, levels) {
   if (length(levels) == 0) rep("", nrow(rows)) else do.call(paste, c(unname(lapply(rows[levels], as.character)), sep = "; "))
 }
 
-# Returns mean and interval of each condition; within people without differences between them (Cousineau and Morey).
+# Returns the mean and 95 % interval of each condition. Intervals within people exclude differences between people
+# (Cousineau and Morey).
 cells <- function(name, rows, within, between) {
   conditions <- max(table(rows$participant))
   spread <- rows$value
@@ -222,7 +223,7 @@ for (name in names(found)) {
   told <- cells(name, rows, within, between)
   draw(name, rows, c(between, within), told)
   means <- rbind(means, told)
-  if (length(unique(rows$value)) < 2) next # All values are the same: nothing can be compared.
+  if (length(unique(rows$value)) < 2) next # All values are equal, so a comparison is not possible.
   for (factor in within) tests <- rbind(tests, within_tests(name, rows, factor))
   for (factor in between) tests <- rbind(tests, between_tests(name, rows, factor))
   for (inside in within) for (outside in between) tests <- rbind(tests, interactions(name, rows, inside, outside))
@@ -232,7 +233,7 @@ for (file in c("cells", "tests")) {
   path <- file.path(here, "results", paste0(file, "-r.csv"))
   if (is.null(lines)) {
     unlink(path)
-    cat("\n", file, ": none. No participant has data in all conditions yet, or all values are the same.\n", sep = "")
+    cat("\n", file, ": none, because no participant has data in all conditions, or all values are equal.\n", sep = "")
     next
   }
   numbers <- vapply(lines, is.numeric, TRUE)

@@ -28,15 +28,15 @@ OUTCOMES = {
     "reliance": ["appropriate"],
     "fluency": ["human_idle", "concurrent_activity"],
 }
-"""Columns that are compared in addition to all scores of forms; add yours."""
+"""Columns that the script compares in addition to all scores of forms. Add your own columns."""
 
 dictionary = pd.read_csv(HERE / "dictionary.csv", keep_default_na=False)
-# Texts that look like formulas to spreadsheets have an apostrophe before them.
+# In CSV files of the export, texts that look like formulas of a spreadsheet begin with an apostrophe. Remove it.
 dictionary = dictionary.replace(r"^'('*[=+\-@\t\r])", r"\1", regex=True)
 
 
 def table(name: str) -> pd.DataFrame:
-    """Return a table with the rows that are data; columns have their types: factors, numbers, booleans, times."""
+    """Return the valid rows of a table. Columns have their types: factors, numbers, booleans, times."""
     read = pd.read_parquet(HERE / "tables" / f"{name}.parquet")
     for column in dictionary[dictionary.table == name].itertuples():
         if column.factor:
@@ -55,7 +55,7 @@ def factors(name: str, role: str) -> list[str]:
 
 
 def outcomes() -> dict[str, pd.DataFrame]:
-    """Return the values of each outcome: a row for each person and condition, with a column `value`."""
+    """Return the values of each outcome: one row for each person and condition, with a column `value`."""
     found = {}
     if "scores" in set(dictionary.table):
         for subscale, rows in table("scores").groupby("subscale"):
@@ -68,7 +68,7 @@ def outcomes() -> dict[str, pd.DataFrame]:
 
 
 def complete(rows: pd.DataFrame, within: list[str]) -> pd.DataFrame:
-    """Return the rows of people who have a value in each condition, one row for each person and condition."""
+    """Return the rows of people with a value in each condition, one row for each person and condition."""
     between_ = factors("scores" if "subscale" in rows else "trials", "between")
     rows = rows.groupby(["participant", *between_, *within], observed=True)["value"].mean().reset_index()
     wanted = np.prod([len(rows[factor].cat.categories) for factor in within], dtype=int)
@@ -76,8 +76,10 @@ def complete(rows: pd.DataFrame, within: list[str]) -> pd.DataFrame:
 
 
 def cells(name: str, rows: pd.DataFrame, within: list[str], between: list[str]) -> list[dict[str, object]]:
-    """Return mean and interval of each condition; within people without differences between them (Cousineau and
-    Morey)."""
+    """Return the mean and 95 % interval of each condition.
+
+    Intervals within people exclude differences between people (Cousineau and Morey).
+    """
     conditions = max(1, rows.groupby("participant").size().max())
     group = rows.groupby(between, observed=True)["value"] if between else rows.assign(all=0).groupby("all")["value"]
     person = rows.groupby("participant")["value"].transform("mean")
@@ -95,13 +97,13 @@ def cells(name: str, rows: pd.DataFrame, within: list[str], between: list[str]) 
 
 
 def row(name: str, test: str, comparison: str, n: int, **results: float) -> dict[str, object]:
-    """Return a row of the table of tests."""
+    """Return one row of the table `tests`."""
     empty = dict.fromkeys(("estimate", "low", "high", "statistic", "df", "df2", "p", "effect_size"), np.nan)
     return {"outcome": name, "test": test, "comparison": comparison, "n": n, **empty, **results}
 
 
 def paired(name: str, comparison: str, difference: pd.Series) -> dict[str, object]:
-    """Return the test of differences within people."""
+    """Return the paired t test of differences within people."""
     n, mean, deviation = len(difference), difference.mean(), difference.std()
     error = deviation / np.sqrt(n)
     half, t = stats.t.ppf(0.975, n - 1) * error, mean / error if error > 0 else np.nan
@@ -112,7 +114,7 @@ def paired(name: str, comparison: str, difference: pd.Series) -> dict[str, objec
 
 
 def welch(name: str, test: str, comparison: str, one: pd.Series, other: pd.Series) -> dict[str, object]:
-    """Return the test of two groups of people."""
+    """Return Welch's t test of two groups of people."""
     result = stats.ttest_ind(other, one, equal_var=False)
     interval, n = result.confidence_interval(0.95), len(one) + len(other)
     pooled = np.sqrt(((len(one) - 1) * one.var() + (len(other) - 1) * other.var()) / (n - 2))
@@ -122,7 +124,7 @@ def welch(name: str, test: str, comparison: str, one: pd.Series, other: pd.Serie
 
 
 def holm(tests: list[dict[str, object]]) -> list[dict[str, object]]:
-    """Adjust the p of a family of tests (Holm 1979); tests without a p are left out."""
+    """Adjust the p values of a family of tests (Holm 1979). Ignore tests without a p value."""
     order = sorted((test for test in tests if test["p"] == test["p"]), key=lambda test: test["p"])
     adjusted = np.maximum.accumulate([(len(order) - rank) * test["p"] for rank, test in enumerate(order)])
     for test in tests:
@@ -160,7 +162,7 @@ def between_tests(name: str, rows: pd.DataFrame, factor: str) -> list[dict[str, 
 
 
 def interactions(name: str, rows: pd.DataFrame, inside: str, outside: str) -> list[dict[str, object]]:
-    """Return the tests of whether differences within people depend on the group."""
+    """Return tests of the dependence of differences within people on the group."""
     wide = rows.pivot_table(index=["participant", outside], columns=inside, values="value", observed=True)
     results = []
     for a, b in combinations(wide.columns, 2):
@@ -173,7 +175,7 @@ def interactions(name: str, rows: pd.DataFrame, inside: str, outside: str) -> li
 
 
 def draw(name: str, rows: pd.DataFrame, within: list[str], results: list[dict[str, object]]) -> None:
-    """Draw an outcome: each person, and means with their intervals."""
+    """Draw an outcome: the values of each person, and means with 95 % intervals."""
     figure, axes = plt.subplots(figsize=(1.8 + 1.2 * len(results), 3.4), layout="constrained")
     levels = [factor for factor in rows.columns if factor not in {"participant", "value"}]
     place = {cell["cell"]: index for index, cell in enumerate(results)}
@@ -205,7 +207,7 @@ def main() -> None:
         draw(name, rows, within, results)
         means += results
         if rows.value.nunique() < 2:
-            continue  # All values are the same: nothing can be compared.
+            continue  # All values are equal, so a comparison is not possible.
         for factor in within:
             tests += within_tests(name, rows, factor)
         for factor in between:
@@ -216,7 +218,7 @@ def main() -> None:
         path = HERE / "results" / f"{file}-python.csv"
         if not lines:
             path.unlink(missing_ok=True)
-            print(f"\n{file}: none. No participant has data in all conditions yet, or all values are the same.")
+            print(f"\n{file}: none, because no participant has data in all conditions, or all values are equal.")
             continue
         frame = pd.DataFrame(lines)
         frame.to_csv(path, index=False, float_format="%.6g")
