@@ -43,7 +43,7 @@ class TopicSummary:
 
     Attributes:
         name: name, with its leading slash.
-        msgtype: type of its messages; several types, separated by commas, if publishers disagree.
+        msgtype: type of its messages; if publishers have different types, all types, separated by commas.
         md5: md5 sum of the type; several sums, separated by commas, if publishers disagree.
         messages: number of messages.
         latched: True if a publisher latches it.

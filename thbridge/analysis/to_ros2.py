@@ -1,8 +1,8 @@
 """Conversion of a recording to rosbag2: a folder with an MCAP file of CDR messages, and its metadata.
 
-Source: rosbag2's metadata.yaml, version 9; mcap.dev, the profile `ros2`. Messages get the types of ROS 2 Jazzy if they
-exist, otherwise those that the bag defines. Fields that exist only in ROS 2 are 0; fields that exist only in ROS 1 are
-omitted.
+Source: rosbag2's metadata.yaml, version 9; mcap.dev, the profile `ros2`. Messages get the types of ROS 2 Jazzy if these
+exist, otherwise the types that the bag defines. Fields that exist only in ROS 2 are 0; fields that exist only in ROS 1
+are omitted.
 """
 
 import io

@@ -2,7 +2,7 @@
 
 One dialogue of the participant with a robot is a sequence of dialogue games about one decision. A wish of the
 participant opens a persuasion; "I don't know" opens an information-seeking. If a game ends without an agreement, the
-participant may open the next one. Between the games the participant may ask for explanations, which change nothing.
+participant may open the next game. Between the games the participant may ask for explanations, which change nothing.
 """
 
 from collections.abc import Mapping

@@ -63,7 +63,7 @@ class WhereFacts:
         tour: rooms that the plan assigns to it, in their order.
         advised: the room that its planner chose. If None, it is the room with the highest value.
         compares: False if its only reason for a room is the cost, as for an adviser that may give wrong advice.
-        proven: False if the plans may not be the best ones; then their values are not compared.
+        proven: False if the plans may not be optimal; then their values are not compared.
         left_behind: by room, the robots that get no room in the plan if this robot goes there.
         confidence: confidence in its localization, 0 to 1.
         at: simulated time, s.
@@ -134,7 +134,7 @@ class WhatFacts:
 
 
 def situation_of(facts: WhereFacts | WhatFacts) -> WhereFacts | WhatFacts:
-    """Return the facts without those that depend on the time or the question; equal results mean the same situation."""
+    """Return the facts without facts that depend on the time or the question. Equal results mean the same situation."""
     if isinstance(facts, WhereFacts):
         return replace(facts, at=0.0, advised=None, left_behind={})
     return replace(facts, at=0.0, claimed="", against=(), unsure=False)
@@ -163,7 +163,7 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
     Args:
         facts: the robot's facts.
         `told`: accepted statements of the person, as beliefs; they also affect its decision.
-        rival: room to compare with the best one. If None, it is the room with the lowest cost.
+        rival: room to compare with the best room. If None, this is the room with the lowest cost.
     """
     case = _Case(facts.at, told)
     level = case.knows(EnergyLevel(facts.energy))
@@ -183,7 +183,7 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
         reasons = (_planned(case, facts, best),)
     goes = Literal(NextRoom(facts.robot, best))
     case.rule(reasons, goes)
-    # A choice of one room is a decision against the others (Sklar and Azhar 2015).
+    # A choice of one room is a decision against all other rooms (Sklar and Azhar 2015).
     rest = tuple(Literal(NextRoom(facts.robot, room), holds=False) for room in others)
     order = None if rival is None else _order(facts.tour, best, rival)
     if order is None or not compared.get(rival or best):
@@ -259,7 +259,7 @@ def named(facts: WhatFacts) -> Literal:
 
 
 def is_below(energy: float, other: float) -> bool:
-    """Return True if an energy is below another one after rounding to two decimals, as people read them."""
+    """Return True if an energy is below another energy after rounding to two decimals, as people read energies."""
     return round(energy, 2) < round(other, 2)
 
 

@@ -43,7 +43,7 @@ def turn_in(conversation: Conversation) -> tuple[int, Side] | None:
 def acts(
     exchange: Exchange, conversation: Conversation, side: Side, game: str | None = None
 ) -> tuple[ExchangeAct, ...]:
-    """Return all possible acts of a side: moves in the present dialogue, openings of others, questions about a refusal.
+    """Return all possible acts of a side: moves in the present dialogue, openings of dialogues, and questions.
 
     Args:
         exchange: dialogues are about its topics and their parts.

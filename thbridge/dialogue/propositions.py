@@ -189,7 +189,7 @@ class TooFar(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class NextRoom(HuntProposition):
-    """A robot goes to a room next. It goes to only one, and no other robot goes there.
+    """A robot goes to a room next. It goes to only one room, and no other robot goes there.
 
     Attributes:
         robot: index in the team, from 0.

@@ -1,4 +1,4 @@
-"""Images of maps: PGM files and headers of PBM and PPM are read here, all others by Pillow; pixels have 8 bits."""
+"""Images of maps: PGM files and headers of PBM and PPM are read here, other formats by Pillow; pixels have 8 bits."""
 
 import io
 import re
@@ -11,14 +11,14 @@ from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile
 
 MOST_PIXELS = 32_000_000
-"""Largest number of pixels: 280 m x 280 m at 0.05 m. Localization on such a map takes 32 bytes per cell: a gigabyte."""
+"""Largest number of pixels: 280 m x 280 m at 0.05 m. Localization needs 32 bytes per cell: for this map, a gigabyte."""
 MOST_WORDS = 8_000_000
 """Largest number of pixels that are written as text (P2), because each takes 40 bytes."""
 LARGEST_IMAGE = 1 << 29
 """Largest file in bytes."""
 
 _FORMATS = ("PNG", "PPM", "JPEG", "BMP", "GIF", "TIFF", "WEBP", "TGA", "PCX", "XPM")
-"""Formats of Pillow that map_server also reads. For others, such as EPS, Pillow would run other programs."""
+"""Formats of Pillow that map_server also reads. For other formats, such as EPS, Pillow would run other programs."""
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:
@@ -120,7 +120,7 @@ def _truncated(path: Path, width: int, height: int, found: str) -> BadFile:
 
 
 _HEADER_NUMBERS = {b"P2": 3, b"P4": 2, b"P5": 3, b"P6": 3}
-"""Count of numbers in the header of each kind: width, height and, except for black and white, the largest value."""
+"""Number of numbers in each kind of header: width, height, and the largest value (not for black and white)."""
 _COMMENT = re.compile(rb"#[^\r\n]*")
 _LINE_END = re.compile(rb"[\r\n]")
 
@@ -129,7 +129,7 @@ def _raster_begin(data: bytes, end: int, size: int) -> int:
     """Return the offset of the pixels, which have `size` bytes; the last number of the header ends at `end`.
 
     Exactly one blank ends the header; the byte after it is a pixel, even if it looks like a blank. But if an editor has
-    written CR LF for each line end, both bytes end the header. A comment right after the number ends with its line.
+    written CR LF as line ends, both bytes end the header. A comment right after the number ends with its line.
     """
     if data[end : end + 1] == b"#":
         found = _LINE_END.search(data, end)

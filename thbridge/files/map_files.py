@@ -2,8 +2,8 @@
 
 For each further language, such as `de`, a subfolder has the names of the rooms in a `words.yaml`.
 
-A folder is checked as a whole. On a map that loads, every robot can stand at its start, drive to the goal of every
-room, and turn there.
+All files of a folder are checked together. If a map loads, every robot can stand at its start, drive to the goal of
+every room, and turn there.
 """
 
 import json
@@ -96,7 +96,7 @@ class Map:
         return RoomNames.of((entry.room.people, entry.name) for entry in self.rooms)
 
     def room_names_in(self, language: str) -> RoomNames:
-        """Return the names of the rooms in a language. A room without a name in it keeps its own name."""
+        """Return the names of the rooms in a language. A room without a name in this language keeps its own name."""
         words = {} if language == self.language else self.words.get(language, {})
         named = self.room_names.named
         return RoomNames({number: words.get(name, name) for number, name in named.items()})
@@ -377,7 +377,7 @@ def _faults_of_rooms(loaded: Loaded[_RoomsYaml]) -> Iterator[BadFile]:
 
 @dataclass(frozen=True, slots=True)
 class _Place:
-    """A goal or a start, where a robot must be able to stand, and its key in the file."""
+    """A goal or a start, at which a robot must be able to stand, with its key in the file."""
 
     key: str
     pose: Pose2
@@ -484,7 +484,7 @@ def _findings_of_regions(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap) -
 def _findings_of_ways(
     loaded: Loaded[_RoomsYaml], floor: TraversabilityMap, goals: list[_Place], starts: list[_Place], crowded: bool
 ) -> Iterator[MapFinding]:
-    """Yield faults of places where a robot can stand, but which no path from a start reaches.
+    """Yield faults of goals and starts at which a robot can stand, but which no path from a start reaches.
 
     Args:
         loaded: rooms.yaml.

@@ -72,6 +72,6 @@ class Resources:
 
 
 def shipped() -> Resources:
-    """Return the built-in maps and templates: those of the wheel, or in a checkout those next to the packages."""
+    """Return the built-in maps and templates: inside a wheel, or next to the packages in a checkout."""
     data = PACKAGE / "data"
     return Resources(data if data.is_dir() else PACKAGE.parent)

@@ -25,7 +25,7 @@ WORDS = "words.yaml"
 
 @dataclass(frozen=True, slots=True)
 class AnswersYaml:
-    """Texts of the two buttons below a question, to agree and to refuse. If None, the language's own texts are used."""
+    """Texts of the buttons below a question: first agree, then refuse. If None, the language's own texts are used."""
 
     room: tuple[str, str] | None = None
     picture: tuple[str, str] | None = None
@@ -125,7 +125,7 @@ def values_of(declared: TreasureProperty, kinds: Sequence[TreasureKind]) -> tupl
 
 
 def _faults(loaded: Loaded[_WordsYaml], treasures: TreasureList) -> Iterator[BadFile]:
-    """Yield faults of words for things that are not in the set, and of empty words."""
+    """Yield faults of empty words, and of words for names, properties or values that are not in the set."""
     written = loaded.value
     kinds = [kind.name for kind in treasures.kinds]
     declared = {each.name: each for each in treasures.properties}

@@ -289,7 +289,7 @@ def read_dialogue_text(path: Path, properties: Sequence[TreasureProperty] = OF_2
     """Read scripted questions: a name, the questions of *don't know*, `SpecificRoom:` and its questions.
 
     Questions about a treasure may name its properties. Two more sections are optional, `TakePicture:` and
-    `TakeTreasure:`. A line may have several wordings of one question, separated by ` | `.
+    `TakeTreasure:`. A line may have several wordings of the same question, separated by ` | `.
 
     Raises:
         BadFile: the file cannot be read or has faults; all faults are raised together.

@@ -27,7 +27,7 @@ def first_line(path: Path, lines: list[tuple[int, str]], key: str, wanted: str) 
 
 def count_in(path: Path, number: int, key: str, text: str, least: int) -> int:
     """Return the number that is alone on a line."""
-    # isdecimal() and isascii(): int() would also accept signs, underscores and digits of other scripts.
+    # isdecimal() and isascii(): int() would also accept signs, underscores, and digits of non-Latin scripts.
     if not (text.isascii() and text.isdecimal()) or len(text) > 6 or int(text) < least:
         raise BadFile(
             path, f"{text!r} is not a number from {least}", f"write only {key} on this line", line=number, key=key

@@ -418,7 +418,7 @@ def _no_wording(loaded: Loaded[_WordsYaml], key: str) -> BadFile:
 
 
 def _doubles(of_folder: Iterable[Loaded[_WordsYaml]]) -> Iterator[BadFile]:
-    """Yield faults of sections and wordings that a language's folder has twice, because only one would be used."""
+    """Yield faults of sections and wordings that a folder has twice, because only one of the two would be used."""
     first: dict[tuple[object, ...], str] = {}
     for loaded in of_folder:
         value = loaded.value

@@ -27,8 +27,8 @@ def claim(bag: Path) -> None:
     """Claim the name of a recording, with its parts, journal and telemetry log; a second claim does nothing.
 
     Raises:
-        BadFile: another running program has claimed it (the message says which, and since when), or a link of another
-            account leads to its folder.
+        BadFile: another running program has claimed the name (the message names this program and the time of the
+            claim), or a link of another account leads to its folder.
         OSError: the folder does not exist, or is not writable.
     """
     path = _lock_path(bag)

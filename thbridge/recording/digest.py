@@ -1,4 +1,4 @@
-"""Digest of a recording's messages: equal if two sessions sent the same messages, even on different machines.
+"""Digest of a recording's messages: equal for sessions that sent the same messages, even on different machines.
 
 It is a SHA-256 over all messages except the session's own record, oldest first; messages with one stamp are in the
 order of recording. Each message adds: topic (UTF-8), type (UTF-8), stamp in nanoseconds, data. Topic, type and data

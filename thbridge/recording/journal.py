@@ -33,7 +33,7 @@ class RecoveredGame:
 
     Attributes:
         started: the first event.
-        events: the further events, and the utterances between them, in order.
+        events: all other events and the utterances, in order.
         state: the state after all events.
         size: bytes of the complete lines of the file, each with its newline.
         checksum: checksum of the last line; None if the journal has no checksums.

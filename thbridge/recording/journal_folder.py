@@ -54,7 +54,7 @@ class JournalStore:
         return next_game(self.folder) - 1
 
     def name_of_folder(self, fresh: str) -> str:
-        """Return the unique name of the folder; if it has none yet, it gets the name `fresh`.
+        """Return the unique name of the folder; a folder without a name gets the name `fresh`.
 
         Raises:
             BadFile: the name cannot be read or written.

@@ -38,8 +38,8 @@ def part_of(bag: Path, number: int) -> Path:
 def parts_of(bag: Path) -> tuple[Path, ...]:
     """Return the files of a recording, in order.
 
-    If the file exists, it is the whole recording. Otherwise these are `NAME_0.bag`, `NAME_1.bag`, ..., without a part
-    that is being written.
+    If the file `NAME.bag` exists, it is the complete recording. Otherwise the files are `NAME_0.bag`, `NAME_1.bag`,
+    ..., without a part that is being written.
 
     Args:
         bag: name of the recording, or a file; returned unchanged if there are no parts.

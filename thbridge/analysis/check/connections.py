@@ -56,7 +56,7 @@ def connection_incomplete(bag: BagStructure) -> Iterator[Finding]:
 
 
 def definition_twice(bag: BagStructure) -> Iterator[Finding]:
-    """Find definitions that define one type in two different ways: Foxglove refuses the whole bag."""
+    """Find definitions that contain two different definitions of a type: Foxglove refuses the bag."""
     for connection in _used(bag):
         parts = _PART.split(connection.definition)[1:]
         texts: dict[str, set[str]] = {}
@@ -64,7 +64,7 @@ def definition_twice(bag: BagStructure) -> Iterator[Finding]:
             texts.setdefault(name, set()).add(text.strip())
         twice = sorted(name for name, found in texts.items() if len(found) > 1)
         if twice:
-            what = f"the definition defines {', '.join(twice)} in different ways"
+            what = f"the definition has two different texts for {', '.join(twice)}"
             remedy = "record the topic again, with one definition for each type"
             yield Finding(
                 "definition-twice", FindingSeverity.ERROR, (BagTool.FOXGLOVE,), connection.topic, what, remedy
@@ -188,7 +188,7 @@ def no_trajectory(bag: BagStructure) -> Iterator[Finding]:
 
 
 def _used(bag: BagStructure) -> Iterator[ConnectionRecord]:
-    """Yield the connections that have messages; of connections with equal contents, yield only one."""
+    """Yield the connections that have messages; of several connections with equal contents, yield only one."""
     seen = set()
     for connection in bag.connections.values():
         kind = (connection.topic, connection.msgtype, connection.md5, connection.definition, connection.latching)

@@ -63,7 +63,7 @@ class UnitQuaternions:
         self._tf: set[str] = set()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler:
-        """Check every topic. An IMU's orientation may be zero if its covariance says that the IMU measures none."""
+        """Check every topic. An IMU's orientation may be zero if its covariance marks it as not measured."""
         topic, imu = source.topic, source.msgtype == "sensor_msgs/Imu"
         if source.msgtype in TF_TYPES:
             self._tf.add(topic)

@@ -124,12 +124,12 @@ class BagStructure:
         return 0.0 if self.start_ns is None or self.end_ns is None else (self.end_ns - self.start_ns) / 1e9
 
     def tools_of(self, topic: str, tools: tuple[BagTool, ...]) -> tuple[BagTool, ...]:
-        """Return the given tools that read a topic: evo reads only some types."""
+        """Return those of the given tools that read a topic: evo reads only some types."""
         types = {source.msgtype for source in self.connections.values() if source.topic == topic}
         return tools if types.intersection(EVO_TYPES) else tuple(tool for tool in tools if tool is not BagTool.EVO)
 
     def connections_by_topic(self) -> dict[str, list[ConnectionRecord]]:
-        """Return the connections of each topic, without those that have no messages."""
+        """Return the connections of each topic; connections without messages are omitted."""
         topics: dict[str, list[ConnectionRecord]] = {}
         for source in self.connections.values():
             if self.counts.get(source.number):

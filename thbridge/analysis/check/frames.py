@@ -258,7 +258,7 @@ class TransformTree:
 
 
 class CompleteStaticTransforms:
-    """Rule for static transforms missing in the last message of /tf_static, the only one that late subscribers get."""
+    """Rule for static transforms missing in the last message of /tf_static. Late subscribers get only this message."""
 
     def __init__(self) -> None:
         self._children: dict[int, set[str]] = {}

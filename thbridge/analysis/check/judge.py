@@ -80,7 +80,7 @@ class _ConnectionReader:
         self._layout: MessageReader | None = None
 
     def _begin(self, data: bytes) -> None:
-        """Choose a layout for all messages, using the first one."""
+        """Choose a layout for all messages, based on the first message."""
         self._begun = True
         kind = self._source.msgtype
         found = identified(kind, self._source.md5, self._source.definition) or by_name(kind, data)

@@ -97,13 +97,13 @@ def chunk_order(bag: BagStructure) -> Iterator[Finding]:
 
 
 def chunks_overlap(bag: BagStructure) -> Iterator[Finding]:
-    """Find overlapping chunks: Foxglove keeps them in memory together, and warns (BagIterableSource.ts)."""
+    """Find overlapping chunks, which Foxglove keeps in memory together, with a warning (BagIterableSource.ts)."""
     latest_ns, overlapping = 0, 0
     for entry in bag.index:
         overlapping += entry.start_ns < latest_ns
         latest_ns = max(latest_ns, entry.end_ns)
     if overlapping > OVERLAP_SHARE * len(bag.index):
-        problem = f"{overlapping} of {len(bag.index)} chunks overlap others in time"
+        problem = f"{overlapping} of {len(bag.index)} chunks overlap other chunks in time"
         yield Finding("chunks-overlap", FindingSeverity.WARNING, (BagTool.FOXGLOVE,), None, problem, CUT)
 
 

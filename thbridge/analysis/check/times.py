@@ -85,7 +85,7 @@ class HeaderStampOffset:
     """Rule for headers whose stamps differ much from the time of recording: tools mix the two times.
 
     Latched topics are not checked, because their messages may be older than the recording. Static transforms are not
-    checked either, because they hold at all times, whatever their stamps (tf2, buffer_core.cpp).
+    checked either, because they are valid at all times, for any stamp (tf2, buffer_core.cpp).
     """
 
     def __init__(self) -> None:
@@ -125,7 +125,7 @@ class HeaderStampOffset:
 class RecordedLate:
     """Rule for topics whose stamps differ from the time of recording.
 
-    Tools that use the time of recording match such messages wrongly. The messages are recorded late, or stamped later
+    Tools that use the time of recording then match messages wrongly. The messages are recorded late, or stamped later
     than their recording, which is impossible with one clock. Latched topics and static transforms are not checked, as
     in `HeaderStampOffset`, which finds greater differences. Transforms that amcl stamps ahead are not checked either.
     """

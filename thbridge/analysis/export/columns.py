@@ -1,7 +1,7 @@
 """Columns of a message type: names, units, meanings, and functions that read their values from gathered rows.
 
 A column's name is the path of its field (`pose.pose.position.x`) without wrappers such as `pose`, and with the unit:
-`x_m`. If two names would be equal, both keep the whole path.
+`x_m`. If two names would be equal, both columns are named with the full path.
 """
 
 from collections import Counter

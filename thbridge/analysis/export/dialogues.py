@@ -35,7 +35,7 @@ GAMES = Table(
         Column(
             "end", "string", "", 'for example "agreement"; "unfinished" if the recording ended before the game'
         ),
-        Column("moves", "int32", "", "number of moves, without those that follow automatically"),
+        Column("moves", "int32", "", "number of moves, without moves that follow automatically"),
         Column("challenges", "int32", "", "number of challenges in this game, and in games paused for this game"),
         Column(
             "gave_in",

@@ -106,7 +106,7 @@ def _texts(values: Values) -> list[str]:
 
 def _piece(track: Track) -> TableRows:
     paths = (track.truth, track.estimate, track.odometry)
-    # The times are those of odometry, which has no gaps; without odometry, those of the most frequent poses.
+    # The times are taken from odometry, which has no gaps; without odometry, from the most frequent poses.
     times = (track.odometry if len(track.odometry) else max(paths, key=len))[:, 0]
     true, estimated, counted = (at_times(path, times) for path in paths)
     values: tuple[Values, ...] = (

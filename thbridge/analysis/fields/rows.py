@@ -38,7 +38,7 @@ class GatheredRows:
         record: layout of a row.
         count: number of rows gathered.
         inner: rows of its arrays of messages, in the order of the layout.
-        only_run: block that makes up the whole row, if there is only one.
+        only_run: the only block of the row, if the row consists of one block.
     """
 
     def __init__(self, record: MessageLayout) -> None:

@@ -20,7 +20,7 @@ MESSAGES = 256
 
 
 class MessageBatches:
-    """Messages that wait for others of their topic, to be read together.
+    """Messages that wait for more messages of their topic, to be read together.
 
     Args:
         series: receives their rows.
@@ -48,7 +48,7 @@ class MessageBatches:
         return msgtype in self._readers
 
     def add(self, recorded_ns: int, topic: str, msgtype: str, data: bytes) -> None:
-        """Add a message of such a type."""
+        """Add a message of a type that is read in batches."""
         waiting = self._waiting[topic, msgtype]
         waiting.append((recorded_ns, data))
         if len(waiting) >= MESSAGES:

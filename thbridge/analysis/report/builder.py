@@ -42,8 +42,7 @@ TRAJECTORIES = (types.POSE_STAMPED, types.POSE_WITH_COVARIANCE, types.ODOMETRY)
 def trajectory_topics(bag: Path, truth: str | None, estimate: str | None) -> TrajectoryTopics:
     """Return the topics that the user names as a robot's trajectories (`--truth`, `--estimate`).
 
-    Raises:
-        BadFile: the bag has no such topic, or the topic has another type, or the bag cannot be read.
+    Raises: BadFile: the bag has no such topic, the topic has another type, or the bag cannot be read.
     """
     if truth is None and estimate is None:
         return FOUND_BY_NAME
@@ -79,7 +78,7 @@ def read_games(
 ) -> tuple[Report, ...]:
     """Return the report of each game in a bag, in order, or one report if it has no games. Arguments as `read_report`.
 
-    Messages before the first game belong to it, and messages between two games belong to the earlier one.
+    Messages before the first game belong to the first game. Messages between two games belong to the earlier game.
     """
     return tuple(builder.report(grid) for builder in gather_games(messages, named))
 

@@ -25,7 +25,7 @@ class RecordedGame:
         kind: name of the game.
         opener: "robot" or "human".
         end: one of `ENDS`.
-        moves: number of its moves, without those that follow automatically.
+        moves: number of its moves, without moves that follow automatically.
         challenges: number of challenges in this game, and in games that are paused for this game.
         gave_in: "robot" or "human", the side that finally accepted what it had challenged, rejected or denied before
                 in the same situation; empty if neither side did.
@@ -59,7 +59,7 @@ class RecordedDialogues:
 
     Attributes:
         games: all dialogue games, robot by robot.
-        moves: number of moves by speaker and locution, without those that follow automatically.
+        moves: number of moves by speaker and locution, without moves that follow automatically.
         questions: number of questions that the participant asked outside these games.
         overrides: number of decisions against a robot's advice.
         misheard: number of moves that a robot mistook for other moves.

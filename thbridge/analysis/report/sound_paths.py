@@ -10,7 +10,7 @@ from thbridge.ros.odometry_faults import RecordedFault, sound_poses
 
 LATEST, EARLIEST = 10.0, -0.25
 """Greatest and least time from the stamp of a message to its recording, seconds, if one clock sets both: tf2 keeps
-transforms for 10 s, and a recorder that uses /clock lags by up to one period of it."""
+transforms for 10 s, and a recorder that uses /clock is late by up to one period of /clock."""
 RECORDED, STAMPED = 0, 1
 """Columns of the two times in rows (time of recording, stamp, x, y, theta)."""
 
@@ -33,7 +33,7 @@ class SoundPath:
 
 
 def unfit_stamps(rows: FloatArray) -> str | None:
-    """Return, as a clause, why stamps cannot be compared with those of other topics, or None if they can.
+    """Return the reason, as a clause, why stamps cannot be compared with stamps of other topics; None if they can.
 
     Args:
         rows: (n, 5) time of recording, stamp (NaN where it is 0), x, y, theta.
@@ -53,7 +53,7 @@ def unfit_stamps(rows: FloatArray) -> str | None:
 
 
 def sound_path(rows: FloatArray, by_stamp: bool, believed: bool = False) -> SoundPath:
-    """Return the poses in the order of their times, without those that cannot be true.
+    """Return the poses in the order of their times, without poses that cannot be true.
 
     Args:
         rows: see `unfit_stamps`, in the order of recording.

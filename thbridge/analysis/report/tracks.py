@@ -135,7 +135,7 @@ class SeriesByTopic:
         return PoseSeries(frame, child, self.numbers(), self.numbers(), self.numbers())
 
     def plausible(self, topic: str, rows: FloatArray, times: int = 0) -> FloatArray:
-        """Return a topic's rows that figures can show, and count the others. The first `times` columns are times."""
+        """Return a topic's rows that figures can show; count its other rows. The first `times` columns are times."""
         good = (np.abs(rows[:, times:]) <= LARGEST).all(axis=1)  # NaN fails it
         if good.all():
             return rows

@@ -1,4 +1,4 @@
-"""Times in which robots made way for others by right of way, gathered from diagnostics."""
+"""Times in which robots made way for robots with right of way, gathered from diagnostics."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -15,8 +15,8 @@ class WaysMade:
     """Times in which robots made way, as far as diagnostics report them.
 
     Attributes:
-        robots: times of each robot that made way, in order, by the robot's name for programs; the last may not have
-            ended.
+        robots: times of each robot that made way, in order, by the robot's name for programs; the last time may not
+            have ended.
         changes: number of their beginnings and ends.
     """
 
@@ -25,7 +25,7 @@ class WaysMade:
         self.robots: defaultdict[str, list[WayMade]] = defaultdict(list)
 
     def take(self, time: float, statuses: Sequence[DiagnosticStatus]) -> None:
-        """Add the diagnostics of a time; those of several robots may arrive one by one."""
+        """Add the diagnostics of a time; the diagnostics of several robots may arrive separately."""
         # A robot whose software has stopped reports no state of its navigation.
         makes_way_for: dict[str, str | None] = dict.fromkeys(each.hardware_id for each in statuses)
         for each in statuses:

@@ -201,7 +201,7 @@ def _games_row(games: Sequence[RecordedGame]) -> dict[str, object]:
 
 
 def _svg(figure: Figure, salt: str) -> Markup:
-    """Return the figure as an SVG element; `salt` makes its ids different from those of other figures."""
+    """Return the figure as an SVG element; `salt` makes its ids different from the ids of other figures."""
     drawn = PAGE.rendered(figure, FigureFormat.SVG, salt, transparent=True).decode()
     # Safe: matplotlib escapes the texts in its files.
     return Markup(drawn[drawn.index("<svg") :])

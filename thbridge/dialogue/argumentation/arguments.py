@@ -1,4 +1,4 @@
-"""Arguments from beliefs, their attacks and their support for each other (Sklar and Azhar 2015, JHRI 4(3), section 3).
+"""Arguments from beliefs, which attack or support each other (Sklar and Azhar 2015, JHRI 4(3), section 3).
 
 An argument consists of a support and a conclusion. The support is a consistent subset of the beliefs that derives the
 conclusion, and no belief in it can be left out. A support derives a rule if it derives the rule's conclusion when the

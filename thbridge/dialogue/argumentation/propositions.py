@@ -1,4 +1,4 @@
-"""Propositions, which hold or do not hold, and rules that derive one proposition from others."""
+"""Propositions, which hold or do not hold, and rules that derive a proposition from other propositions."""
 
 from dataclasses import dataclass
 

@@ -1,9 +1,9 @@
 """Extensions: sets of arguments that can be accepted together.
 
 Grounded, complete, preferred and stable extensions are computed exactly. Grounded extensions take time linear in the
-number of attacks. The others are found as labelings (Caminada 2006, On the Issue of Reinstatement in Argumentation): an
-argument is in if all its attackers are out, out if one of them is in, and otherwise undecided. The search keeps the
-possible labels of each argument, and draws all conclusions before it guesses.
+number of attacks. The other extensions are found as labelings (Caminada 2006, On the Issue of Reinstatement in
+Argumentation): an argument is in if all its attackers are out, out if one of them is in, and otherwise undecided. The
+search keeps the possible labels of each argument, and draws all conclusions before it guesses.
 """
 
 from collections import deque
@@ -95,7 +95,7 @@ def stable(framework: ArgumentationFramework) -> Iterator[Extension]:
 
 
 def preferred(framework: ArgumentationFramework) -> Iterator[Extension]:
-    """Yield the preferred extensions: the complete ones that are not part of a larger one.
+    """Yield the preferred extensions: the complete extensions that are not part of a larger complete extension.
 
     The search finds larger extensions first. So each result is preferred unless it is part of an earlier result. The
     search skips branches in which only parts of earlier results are left.
@@ -160,7 +160,7 @@ class _Search:
                         stack.append((guess, still_open, len(some_of)))
 
     def _undetermined(self, may_be: Sequence[int]) -> int | None:
-        """Return the index of the argument with an unknown label that attacks most others."""
+        """Return the index of the argument with an unknown label that attacks the most other arguments."""
         places = (place for place, labels in enumerate(may_be) if labels & (labels - 1))
         return max(places, key=lambda place: len(self._attacked[place]), default=None)
 
@@ -198,7 +198,7 @@ class _Search:
                 return some_of
 
     def _restrict_around(self, place: int, may_be: list[int], restrict: Callable[[int, int], None]) -> None:
-        """Restrict the labels of an argument by those of its attackers, and the attackers' labels by its own."""
+        """Restrict the labels of an argument by the labels of its attackers, and the other way round."""
         attackers = self._attackers[place]
         labels = [may_be[each] for each in attackers]
         if any(each == IN for each in labels):

@@ -19,11 +19,11 @@ class Picture:
     """Picture that an agent has of another agent j, from j's statements and moves: Gamma(j).
 
     Attributes:
-        held: literals that the other is taken to hold.
-        rules: rules that the other is taken to hold.
-        unknown: propositions about which the other agent has shown that it knows nothing.
-        arguments: arguments that one side has put forward to the other.
-        argued: conclusions for which the other is taken to have some argument.
+        held: literals that agent j is taken to hold.
+        rules: rules that agent j is taken to hold.
+        unknown: propositions about which agent j has shown that it knows nothing.
+        arguments: arguments that one side has put forward to the other side.
+        argued: conclusions for which agent j is taken to have some argument.
     """
 
     held: frozenset[Literal] = frozenset()
@@ -44,7 +44,7 @@ class Picture:
                 return all(part in self.held for part in content.parts)
 
     def stance(self, proposition: Proposition) -> Stance:
-        """Return the opinion that the other is taken to have, also as a consequence of its other opinions."""
+        """Return the opinion that agent j is taken to have, also as a consequence of its other opinions."""
         wanted = Literal(proposition)
         if wanted in self:
             return Stance.BELIEVES
@@ -52,7 +52,7 @@ class Picture:
         return Stance.DISBELIEVES if against else Stance.UNKNOWN
 
     def gaining(self, content: Content) -> "Picture":
-        """Return the picture after the other has shown that it holds this, or that it knows nothing about it."""
+        """Return the picture after agent j has shown that it holds this content, or knows nothing about it."""
         match content:
             case Unknown(proposition):
                 held = frozenset(each for each in self.held if not _tells(each, proposition))
@@ -67,11 +67,11 @@ class Picture:
                 return replace(self, held=held | {content, *content.parts}, unknown=unknown)
 
     def arguing(self, conclusion: Belief) -> "Picture":
-        """Return the picture after the other has shown that it has some argument for this."""
+        """Return the picture after agent j has shown that it has some argument for this conclusion."""
         return replace(self, argued=self.argued | {conclusion})
 
     def has_argument(self, conclusion: Belief, rules: Iterable[Rule] = ()) -> bool:
-        """Return True if the other is taken to have an argument for this.
+        """Return True if agent j is taken to have an argument for this conclusion.
 
         Args:
             conclusion: conclusion of the argument.

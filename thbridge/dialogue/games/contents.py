@@ -75,7 +75,7 @@ class DialogueMove:
 
 
 def propositions_in(content: Content) -> frozenset[Proposition]:
-    """Return the propositions in a content; for conjunctions, those of their parts."""
+    """Return the propositions in a content; for conjunctions, the propositions of their parts."""
     match content:
         case Unknown(proposition):
             return frozenset(part.proposition for part in proposition.parts)
@@ -88,7 +88,7 @@ def propositions_in(content: Content) -> frozenset[Proposition]:
 
 
 def matter_of(topic: Belief) -> Proposition:
-    """Return the proposition that a topic is about, affirmed or denied; for a rule, that of its conclusion."""
+    """Return the proposition that a topic affirms or denies; for a rule, the proposition of its conclusion."""
     return (topic.conclusion if isinstance(topic, Rule) else topic).proposition
 
 

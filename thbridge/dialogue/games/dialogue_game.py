@@ -238,10 +238,10 @@ def _contents(play: GamePlay, slot: Slot, agents: Agents) -> Iterable[Content]:
 
 
 def _cases_made(play: GamePlay, agents: Agents) -> list[tuple[Argument, tuple[Belief, ...]]]:
-    """Return the arguments for the claim that the offered support belongs to, each with the support that is still due.
+    """Return the arguments for the claim that contain the offered support, each with its support that is missing.
 
-    Beliefs are due if the listener is not taken to hold them; they can belong to the argument, or to arguments for the
-    parts of its conclusion. The claim itself, on which an observation rests, has already been stated.
+    Beliefs are missing if the listener is not taken to hold them; they can belong to the argument, or to arguments for
+    the parts of its conclusion. The claim itself, on which an observation rests, has already been stated.
     """
     if play.claim is None or play.defender is None:
         return []

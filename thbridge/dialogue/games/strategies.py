@@ -1,6 +1,6 @@
 """Strategies of programs in dialogue games: the choice among legal moves, by attitude and persistence.
 
-Attitudes toward the other's statements are those of Parsons, Wooldridge and Amgoud (2003, Properties and Complexity of
+Attitudes toward the other side's statements follow Parsons, Wooldridge and Amgoud (2003, Properties and Complexity of
 Some Formal Inter-agent Dialogues), with grounded semantics. Credulous agents accept all statements with a reason.
 Cautious agents accept a statement unless an argument of their own in the grounded extension attacks it. Sceptical
 agents accept statements for which the grounded extension contains an argument of their own.
@@ -23,7 +23,7 @@ from thbridge.dialogue.games.tables import DialogueEnd
 
 
 class GameStrategy(Protocol):
-    """Choice of a program's moves; it must depend only on its arguments and those of its constructor."""
+    """Choice of a program's moves; it must depend only on its arguments and its constructor's arguments."""
 
     def choose(self, conversation: Conversation, number: int) -> DialogueMove:
         """Return one of the legal moves in the dialogue with this number; there is at least one."""
@@ -110,8 +110,8 @@ class ArguingStrategy:
 def _standing(beliefs: Beliefs, claim: Belief) -> tuple[list[Argument], list[Argument]]:
     """Return the arguments for and against a claim that are in the grounded extension.
 
-    The arguments against a rule are those against its conclusion, provided that the grounded extension supports each
-    premise of the rule.
+    The arguments against a rule are the arguments against its conclusion, provided that the grounded extension supports
+    each premise of the rule.
     """
     against_it: list[Literal] = []
     if isinstance(claim, Literal):

@@ -35,7 +35,7 @@ class GameRole(TableWord):
 class DialogueEnd(TableWord):
     """End of a dialogue game."""
 
-    AGREEMENT = "agreement", "one side has accepted the other's claim"
+    AGREEMENT = "agreement", "one side has accepted the other side's claim"
     DISAGREEMENT = "disagreement", "a content was rejected"
     UNKNOWN = "unknown", "the side that was asked does not know"
     STALEMATE = "stalemate", "no legal move is left; every game can end in this way"

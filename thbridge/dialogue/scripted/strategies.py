@@ -8,7 +8,7 @@ from thbridge.dialogue.moves import Dialogue, Move
 
 
 class Strategy(Protocol):
-    """Choice of the robot's moves; it must depend only on its arguments and those of its constructor."""
+    """Choice of the robot's moves; it must depend only on its arguments and its constructor's arguments."""
 
     def choose(self, dialogue: Dialogue, legal: Sequence[Move]) -> Move:
         """Return one of the legal moves, by a dialogue's topic and moves so far; there is at least one legal move."""

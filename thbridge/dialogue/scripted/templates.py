@@ -40,7 +40,7 @@ class Template:
         return self.questions.get(scenario, ())
 
     def answers_in(self, scenario: Scenario, texts: Texts) -> tuple[str, str]:
-        """Return the texts of the two buttons for a question of a scenario: first the one that agrees."""
+        """Return the texts of the two buttons for a question of a scenario: first the text that agrees."""
         return self.answers.get(scenario) or (texts.text("scripted.continue"), texts.text("scripted.stop"))
 
 

@@ -61,7 +61,7 @@ class WordingRequest:
         grammar: grammar of the language.
         literals: literals of the move.
         sentence: sentence from the files, which is said if no better one is offered.
-        known: names such as those of rooms and treasures; an offer may contain them only if `sentence` does.
+        known: names, for example of rooms and treasures; an offer may contain them only if `sentence` does.
     """
 
     move: DialogueMove
@@ -174,7 +174,7 @@ def ask_author(author: WordingAuthor, request: WordingRequest) -> AuthoredSenten
 def judge_sentence(sentence: object, request: WordingRequest) -> SentenceRefusal | None:
     """Return the reason why a sentence is refused for a move, or None if it is accepted.
 
-    Its numbers, names, negations and the words that the language declares as bound must be those of the files'
+    Its numbers, names, negations and the words that the language declares as bound must be the same as in the files'
     sentence, in the same order: `100 is less than 1000` is not `1000 is less than 100`. Punctuation must separate
     clauses where it does in the files' sentence. Nothing else of the meaning is checked.
     """
@@ -195,7 +195,7 @@ def judge_sentence(sentence: object, request: WordingRequest) -> SentenceRefusal
 
 
 def longest_sentence(sentence: str) -> int:
-    """Return the largest length, in characters, of a sentence that replaces another one."""
+    """Return the largest length, in characters, of a sentence that replaces this sentence."""
     return 2 * len(sentence) + 80
 
 

@@ -251,7 +251,7 @@ A key has two flags: True if the wording begins a sentence, and True if a capita
 def reasons(support: Iterable[Belief], conclusion: Belief) -> list[Belief]:
     """Return the beliefs on which an argument rests, in the order of the sentence.
 
-    They follow the list of predicates, rules last. Among those of one predicate, the conclusion's room comes first.
+    They follow the list of predicates, rules last. Among beliefs of one predicate, the conclusion's room comes first.
     """
     follows = conclusion.conclusion if isinstance(conclusion, Rule) else conclusion
     room: Room | None = getattr(follows.parts[0].proposition, "room", None)

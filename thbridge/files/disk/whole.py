@@ -38,7 +38,8 @@ def whole_file(
         remedy: remedy if the file cannot be written, as a clause.
         exclusive: True to keep an existing file and raise an error.
         folders: True to create missing folders above the file.
-        mode: permissions of the file. If None, it keeps those of the existing file, or gets the usual permissions.
+        mode: permissions of the file. If None, an existing file keeps its permissions, and a new file gets the usual
+            permissions.
         synced: False to let the system decide when the file reaches the disk.
 
     Raises:

@@ -17,7 +17,7 @@ CERTIFICATE = "certificate.pem"
 certificates of its authorities."""
 
 _YEARS = 20
-"""Years for which our certificates are valid. Clients do not check this: they know a certificate by its fingerprint."""
+"""Years for which our certificates are valid. Clients do not check this, but only the fingerprint."""
 _END = b"-----END CERTIFICATE-----"
 _LARGEST = 1 << 20
 

@@ -64,10 +64,10 @@ class KeyEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
 
 
 class KeyRing:
-    """Keys in a folder. Changes by other programs take effect at once.
+    """Keys in a folder. Changes that other programs make take effect at once.
 
     Args:
-        folder: folder of the ring; it does not have to exist yet.
+        folder: folder of the ring; the folder does not have to exist.
         clock: returns the date and time, UTC, in the ring's format.
 
     Raises:
@@ -111,7 +111,7 @@ class KeyRing:
         """
         if _NAME.fullmatch(name) is None:
             problem = f"{name!r} is not a valid name of a key"
-            raise BadFile(self._path, problem, "use small letters, digits, - and _, with a letter first")
+            raise BadFile(self._path, problem, "use lower-case letters, digits, - and _; begin with a letter")
         path = path_inside(self.folder, f"{name}{KEY_SUFFIX}")
         with self._locked():
             if any(entry.name == name for entry in self.entries):
@@ -209,7 +209,7 @@ class KeyRing:
             raise BadFile(self._path, f"it cannot be read ({reason_of(error)})", "name another folder") from None
         except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
             problem = f"this is not a ring of keys ({error})"
-            raise BadFile(self._path, problem, "create a new one in another folder: thbridge keys new") from None
+            raise BadFile(self._path, problem, "create a new ring in another folder: thbridge keys new") from None
         self._state = state
 
 

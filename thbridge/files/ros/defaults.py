@@ -1,4 +1,4 @@
-"""ROS's defaults that differ from those of hunts. They apply because ROS files leave the parameters out."""
+"""ROS's defaults that differ from the defaults of hunts. They apply to parameters that ROS files leave out."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass

@@ -84,13 +84,13 @@ _DWB: Mapping[str, str] = {
 }
 """Names of DWAPlannerROS's parameters, by their names in Nav2's DWB."""
 _HALVED: Mapping[str, str] = {"PathDist.scale": "path_distance_bias", "GoalDist.scale": "goal_distance_bias"}
-"""Weights per cell. DWB multiplies them by half of a cell's side, ROS 1 by the whole side (dwb_critics,
+"""Weights per cell. DWB multiplies them by half of a cell's side, ROS 1 by the full side (dwb_critics,
 map_grid.cpp)."""
 _SCALE = "1.0"
 """DWB's weight of a listed critic without a weight."""
 _OBSTACLES = ("BaseObstacle", "ObstacleFootprint")
 _DWB_STANDS: tuple[str, ...] = ("max_speed_xy", "max_vel_x", "max_vel_theta", "acc_lim_x", "acc_lim_theta")
-"""Limits with the default 0: without them, a robot under Nav2 does not move."""
+"""Limits with the default 0. If a file leaves them out, a robot with Nav2 does not move."""
 _GOAL_CHECKER: Mapping[str, str] = {
     "xy_goal_tolerance": "xy_goal_tolerance",
     "yaw_goal_tolerance": "yaw_goal_tolerance",

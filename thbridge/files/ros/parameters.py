@@ -294,7 +294,7 @@ def _without_static_map(path: Path, tree: Section, listed: Collection[str], noti
 
 
 def _once(notice: Sequence[T]) -> list[T]:
-    """Return the items without those that are repeated for the second costmap."""
+    """Return the items without items that are repeated for the second costmap."""
     return list({str(thing).replace(COSTMAPS[1], COSTMAPS[0]): thing for thing in reversed(notice)}.values())[::-1]
 
 

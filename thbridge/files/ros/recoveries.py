@@ -1,4 +1,4 @@
-"""Recovery behaviors in ROS files: each has a freely chosen name, the type of a plugin, and a section of settings."""
+"""Recovery behaviors in ROS files. Each has a freely chosen name, the type of a plugin, and a section of settings."""
 
 from thbridge.files.plugins import RECOVERIES
 from thbridge.files.ros.normalize import Entry
@@ -67,7 +67,7 @@ def _named_here(node: Node) -> dict[str, str]:
         elif kind.endswith("RotateRecovery"):
             names[name] = ROTATE
         elif kind.endswith("ClearCostmapRecovery"):
-            # The first behavior that clears costmaps keeps obstacles nearby, the next ones clear more.
+            # The first behavior that clears costmaps keeps obstacles nearby, the next behaviors clear more.
             names[name] = AGGRESSIVE if CONSERVATIVE in names.values() else CONSERVATIVE
         elif kind or name not in USUAL:
             installed = RECOVERIES.names()

@@ -85,7 +85,7 @@ class TableFiles:
     """Table files NAME.csv and NAME.parquet of a folder; only one is open at a time.
 
     Until it is finished, a Parquet file needs about a kilobyte of memory for each column of each row group. So pieces
-    wait on disk, in the same folder, and files are written one after the other. The same pieces give the same bytes.
+    wait on disk, in the same folder, and files are written one after the other. Equal pieces give equal bytes.
 
     Args:
         folder: an existing folder.

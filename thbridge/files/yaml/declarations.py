@@ -74,7 +74,7 @@ def choices_of(hint: object, metadata: Metadata) -> tuple[str, ...]:
 def with_plugins(metadata: Metadata) -> Metadata:
     """Return the metadata of a field, with its choices extended by the installed plug-ins.
 
-    Looking for plug-ins takes some milliseconds, so this is only called if all names are needed.
+    The search for plug-ins takes some milliseconds, so callers use this only if they need all names.
     """
     group = metadata.get("plugins")
     if not group:

@@ -1,6 +1,6 @@
 """Changes of single values in the text of a YAML file, without changing any other byte.
 
-The position of a change comes from the file's tree; new lines use the file's own indentation. Afterwards the new text
+The file's tree gives the position of a change. New lines use the file's own indentation. Afterwards the new text
 is parsed again. It must have the same values as the old text, except for the changed value. If a file is written in a
 way that this module does not handle, the change is refused and nothing is lost.
 """
@@ -191,8 +191,8 @@ class _Edit:
         while depth > 1 and _only_child(node_at(self._tree, steps[: depth - 1])):
             depth -= 1
         text = self._text
-        # Removal goes from the innermost level outwards: text farther back is removed first, so that positions before
-        # it stay valid.
+        # Values are removed from the innermost level outward. Text near the end is removed first, so that earlier
+        # positions stay valid.
         if self._inside_flow(steps[:depth]):
             return self._dropped_from_flow(steps[:depth])
         if depth == len(steps):
@@ -377,7 +377,7 @@ def _verified(text: str, wanted: list[Leaf], steps: tuple[Step, ...]) -> str | R
 
     def comparable(leaves: list[Leaf]) -> list[Leaf]:
         kept = (leaf for leaf in leaves if not (leaf[0] in above and leaf[1] is None))
-        # A duplicate key may have a value in one place and none in the other.
+        # Of two equal keys, one may have a value, and the other none.
         return sorted(kept, key=lambda leaf: (leaf[0], leaf[1] is not None, leaf[1] or "", leaf[2]))
 
     try:

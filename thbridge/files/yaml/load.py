@@ -77,8 +77,8 @@ def load(path: Path, into: type[T]) -> Loaded[T]:
 
     Fields may be bool, int, float, str, Literal, StrEnum, Path, tuples, dataclasses, and any of these or None. A field
     without a default must be in the file. An empty section keeps its defaults. A field may also be a mapping from
-    numbers, counted from 1, to dataclasses. If its metadata has `like`, omitted values come from the field of that
-    name. A mapping from text to text accepts any names.
+    numbers (from 1) to dataclasses. If its metadata has `like`, omitted values come from the field of that name. A
+    mapping from text to text accepts any names.
 
     Raises:
         BadFiles: all faults of the file; or one BadFile if the file cannot be read at all.
@@ -265,7 +265,7 @@ class _Reader:
         named = _named(node, into, defaults)
         values: dict[str, object] = {}
         first_lines: dict[str, int] = {}
-        # Fields that get defaults from another one (`like`) are read after it.
+        # Fields that get their defaults from another field (`like`) are read after this other field.
         for name, child in sorted(
             self.renamed(node, into, key), key=lambda entry: model_of(known.get(entry[0].text)) is not None
         ):

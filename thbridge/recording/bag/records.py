@@ -26,8 +26,8 @@ _U64 = Struct("<Q")
 _TIME = Struct("<II")
 _BZ2_LEVEL = 9
 _LZ4_LEVEL = 0
-"""Level of ROS's own recorder. Level 3 is the first level that searches more: its recordings are at least a tenth
-smaller, but it takes four times the processor time."""
+"""Level of ROS's own recorder. From level 3 on, LZ4 searches longer: recordings are at least a tenth smaller, but need
+four times the processor time."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,7 +107,7 @@ def chunk_record(data: bytes, compression: Compression) -> bytes:
 
 
 def chunk_pieces(data: bytes, compression: Compression) -> tuple[bytes, bytes]:
-    """Return a `chunk_record` in two pieces, so that callers that join it to other records copy its data only once."""
+    """Return a `chunk_record` in two pieces. A caller that joins it to other records then copies the data only once."""
     header = _header(RecordType.CHUNK, compression=compression.encode(), size=U32.pack(len(data)))
     packed = _packed(data, compression)
     return header + U32.pack(len(packed)), packed

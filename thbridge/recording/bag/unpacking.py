@@ -18,7 +18,7 @@ from thbridge.recording.bag.damage import TooLargeChunk
 ALWAYS = 1 << 28
 """Unpacked size that is allowed for any chunk, in bytes. Usual chunks have 768 KiB, or one large message."""
 TIMES_PACKED = 64
-"""Factor by which a chunk may expand if its unpacked size is then more than `ALWAYS`."""
+"""Largest ratio of unpacked size to packed size, for chunks with an unpacked size above `ALWAYS`."""
 ALWAYS_IN_ALL = 1 << 32
 TIMES_FILE = 1000
 """All chunks of a file may together unpack to `ALWAYS_IN_ALL` plus `TIMES_FILE` times the file's size, because
@@ -35,7 +35,7 @@ _PIECE = 1 << 20
 
 
 TIMES_WHOLE = 1000
-"""Factor by which a file of rosbag2 that is packed as a whole may expand if its size is then more than `ALWAYS`."""
+"""Largest ratio of unpacked size to packed size, for packed files of rosbag2 with an unpacked size above `ALWAYS`."""
 
 
 class UnpackedBytes:
@@ -65,13 +65,13 @@ def unpacked(compression: str, packed: bytes, size: int) -> bytes:
         size: bytes of its data according to its record.
 
     Raises: TooLargeChunk: its unpacked size is above that in its record, or above the limit for a chunk.
-        ValueError: there is no such compression.
+        ValueError: the compression is unknown.
         OSError, RuntimeError, EOFError: the stream is damaged.
     """
     if compression == "none":
         return packed
     _check_claim(len(packed), size)
-    # One more byte is requested, to detect a stream that has more than its record says.
+    # One more byte is requested, to detect a stream that is longer than in its record.
     match compression:
         case "bz2":
             data = bz2.BZ2Decompressor().decompress(packed, max_length=size + 1)

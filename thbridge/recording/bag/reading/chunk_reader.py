@@ -20,7 +20,7 @@ from thbridge.recording.bag.unpacking import COMPRESSIONS, UnpackedBytes, unpack
 BYTES_KEPT = 32 * 1024 * 1024
 """Default size of the cache of unpacked chunks, in bytes."""
 WHOLE = 1024 * 1024
-"""Size of the largest uncompressed chunk that is read as a whole; from larger chunks, single messages are read."""
+"""Size of the largest uncompressed chunk that is read completely. From larger chunks, single messages are read."""
 
 FEW = 16
 """Largest number of messages of an uncompressed chunk that are read one by one."""
@@ -176,7 +176,7 @@ class ChunkReader:
         return known
 
     def _message_alone(self, chunk: ChunkInfo, packed: _Packed, offset: int) -> bytes:
-        """Read one message of a large chunk without the rest, for example an image."""
+        """Read one message of a large chunk, for example an image, without the rest of the chunk."""
         file = self._files[chunk.file]
         with damage_as_bad_file(self._parts[chunk.file]):
             file.seek(packed.position + offset)
@@ -224,7 +224,7 @@ def entries_in(data: bytes | bytearray) -> tuple[NDArray[np.int64], NDArray[np.i
 
 
 def _index_in(block: bytes, records: int) -> dict[int, bytes] | None:
-    """Return the data of some index data records, by connection number; None if the block ends before the last one."""
+    """Return the data of some index data records, by connection number; None if the block ends too early."""
     found: dict[int, bytes] = {}
     at = 0
     try:

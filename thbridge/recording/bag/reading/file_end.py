@@ -14,7 +14,7 @@ from thbridge.recording.bag.reading.chunk_reader import ChunkInfo
 from thbridge.recording.bag.records import BagConnection
 
 STEP = 64
-"""Number of chunk infos after which reading the end of a bag pauses; reading that many takes some milliseconds."""
+"""Number of chunk infos after which reading the end of a bag pauses; reading these takes some milliseconds."""
 
 
 @dataclass(slots=True)

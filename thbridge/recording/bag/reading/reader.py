@@ -1,4 +1,4 @@
-"""Reader of ROS 1 bags, our own and others; damaged bags raise BadFile with a remedy."""
+"""Reader of ROS 1 bags, of thbridge or other programs. Damaged bags raise BadFile with a remedy."""
 
 from bisect import bisect_left
 from collections.abc import Callable, Collection, Iterator, Mapping
@@ -28,8 +28,8 @@ class TopicInfo:
 
     Attributes:
         name: its name, with the leading slash.
-        msgtype: type of its messages, such as "nav_msgs/Odometry"; if publishers disagree, several types, separated by
-            commas.
+        msgtype: type of its messages, such as "nav_msgs/Odometry"; if publishers have different types, all types,
+            separated by commas.
         messages: number of messages.
         latched: True when a publisher latches it.
     """
@@ -49,7 +49,7 @@ class BagInfo:
         size: bytes.
         start_ns: stamp of the first message, nanoseconds; None if there are no messages.
         end_ns: stamp of the last message.
-        duration: seconds between them; 0 if there are no messages.
+        duration: seconds between these two stamps; 0 if there are no messages.
         messages: number of messages.
         topics: the topics, ordered by name.
     """
@@ -144,14 +144,14 @@ def recorded(
     size.
 
     The parts of a split recording are read as one. A part repeats latched messages at its beginning, so that it can be
-    played by itself; these repetitions are left out. A publisher in several parts is one object. A publisher without a
-    complete definition gets the known definition with its md5 sum. If there is none, it gets the known definition of
-    its type's name, if its first message fits.
+    played by itself; these repetitions are left out. A publisher that is in several parts is represented by one object.
+    A publisher without a complete definition gets the known definition with its md5 sum. If there is none, it gets the
+    known definition of its type's name, if its first message fits.
 
     Args:
         path: the bag, or the name of a split recording.
-        topics: names of the topics to read; None for all. Chunks without them are not unpacked.
-        since_ns: stamp. From chunks that end before it, only messages that stay valid (see `holds`) are read.
+        topics: names of the topics to read. If None, all topics are read. Chunks without them are not unpacked.
+        since_ns: a stamp. From chunks that end before this stamp, only messages that stay valid (see `holds`) are read.
 
     Raises:
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.

@@ -40,7 +40,7 @@ class BagHeaderRecord:
         connections: number of connections in the index.
         chunks: number of chunks in the index.
         length: bytes of header and padding, without their two length words; in ROS 1 always 4096.
-        encryptor: empty unless the bag is encrypted.
+        encryptor: name of the encryption; empty if the bag is not encrypted.
     """
 
     index_pos: int
@@ -205,7 +205,7 @@ def scan(path: Path) -> Iterator[BagRecord]:
 def _cut_off(
     at: int, kind: int, fields: dict[bytes, bytes], data: bytes, size: int, so_far: UnpackedBytes
 ) -> Iterator[BagRecord]:
-    """Yield the last, incomplete record of a file: the readable part of a chunk, nothing of other records."""
+    """Yield the last, incomplete record of a file: the readable part of a chunk, or nothing."""
     lost = len(data)
     if kind == RecordType.CHUNK:
         lost = 0

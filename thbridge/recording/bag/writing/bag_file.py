@@ -22,7 +22,7 @@ NAMELESS = ".new"
 
 
 class ChunkFile:
-    """A bag that grows by whole chunks. A chunk is written completely or, with an OSError, not at all.
+    """A bag that grows by complete chunks. A chunk is written completely or, with an OSError, not at all.
 
     Each chunk begins with the records of connections that are new to the file. So each connection has a message. For a
     connection without a message, `rosbag info` may show a negative duration. Memory grows with the chunks, not with the
@@ -164,7 +164,8 @@ class BagFile:
         compression: compression of the chunks.
 
     Raises:
-        OSError: raised by every method. `close` may be called again; then it leaves out what could not be written.
+        OSError: raised by every method. After that, `close` may be called again; it leaves out data that could not be
+            written.
     """
 
     def __init__(self, path: Path, compression: Compression = Compression.NONE) -> None:

@@ -94,7 +94,7 @@ class ChunkBuilder:
     def add_all(self, connections: Sequence[BagConnection], stamp_ns: int, messages: Sequence[bytes]) -> bool:
         """Add messages of one stamp if all of them fit. Otherwise add none of them, and return False.
 
-        The chunk must accept the first one.
+        The chunk must accept the first message.
         """
         size = sum(map(len, messages)) + len(_HEAD) * len(messages)
         if self.size + size > MOST_BYTES:

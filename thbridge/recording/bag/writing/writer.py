@@ -18,8 +18,8 @@ from thbridge.ros.names import CALLER
 from thbridge.ros.topics import MessageFilter, RosMessage, Topic
 
 SYNC_SECONDS = 0.5
-"""Wall time after which all messages so far are forced onto the disk. It is half of the second that may be lost,
-because a busy machine may be late."""
+"""Wall time after which all messages so far are forced onto the disk, in seconds. At most one second may be lost; half
+of this second is reserved for delays of a busy machine."""
 
 WHOLE = SplitLimits()
 
@@ -99,7 +99,7 @@ class BagWriter:
         Raises:
             BagNotWritten: the disk is full, unavailable or too slow. The bag is closed, and the messages in it are
                 kept.
-            ValueError: the message is older than the last one, or the bag is closed.
+            ValueError: the message is older than the last message, or the bag is closed.
         """
         for topic, stamp_ns, data, _ in self._keep((message,)):
             self._add(topic, stamp_ns, data)
@@ -121,7 +121,7 @@ class BagWriter:
         self.sync_if_due()
 
     def sync_if_due(self) -> None:
-        """Force everything onto the disk if `SYNC_SECONDS` have passed; must be called much more often.
+        """Force everything onto the disk if `SYNC_SECONDS` have passed. Call this at much shorter intervals.
 
         Raises:
             BagNotWritten: as `write` does.
