@@ -47,10 +47,11 @@ def at_the_desk() -> Iterator[Shot]:
     from_host = ToldToDesk(last.clocks.wall, ("texts/welcome.txt was changed",), form, troubles, last.participant)
     window.receive(desk_state(design, progress, entries, from_host))
     yield Shot("desk", window)
-    words = f"Exclude the run of {last.participant}? The recorded data stay, but the run no longer counts, and "
-    box = ReasonBox(
-        window, "Exclude a run", f"{words}its place opens again. This cannot be undone.", f"Exclude {last.participant}"
+    words = (
+        f"Exclude the run of {last.participant}? The recorded data remain, but the run no longer counts. "
+        "Its place becomes open again. You cannot undo this."
     )
+    box = ReasonBox(window, "Exclude a run", words, f"Exclude {last.participant}")
     box.reason.setText("knew the study")
     box.open()
     yield Shot("desk-reason", window, over=box)
