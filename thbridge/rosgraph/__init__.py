@@ -1,1 +1,1 @@
-"""ROS 1 graph: XML-RPC, master, node and TCPROS as bytes (`wire`), the same over TCP (`sockets`), and `files`."""
+"""ROS 1 graph: XML-RPC, master, node and TCPROS. `wire` handles their bytes, `sockets` uses them over TCP."""

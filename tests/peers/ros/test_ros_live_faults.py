@@ -115,7 +115,7 @@ def goes_on(program: Program, folder: Path) -> None:
 def test_a_master_that_comes_late_dies_and_comes_again_is_told_everything(core: Core, tmp_path: Path) -> None:
     with hunt(tmp_path, f"http://{ELSEWHERE}:{core.port}") as program:
         under_way(program)
-        assert "there is none yet" in program.text
+        assert "there is no master yet" in program.text
         core.start()
         until("everything at the late master", core.whole, [program])
         for _ in range(2):

@@ -1,1 +1,1 @@
-"""Files of the graph: bags of sessions on real robots."""
+"""Files of the graph: bags of sessions with real robots."""

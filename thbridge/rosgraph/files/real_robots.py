@@ -1,6 +1,6 @@
-"""Recorder of real robots: it stores the robots' own messages unchanged, and the messages of our program.
+"""Recorder of real robots. It stores the robots' own messages unchanged, and the messages of our program.
 
-Messages of robots are not encoded again from our values: the bag contains their own bytes, types and names.
+Messages of robots are not encoded again from our values. The bag contains the robots' own bytes, types and names.
 """
 
 from collections.abc import Iterable, Sequence
@@ -26,10 +26,10 @@ class _ForeignMessage(NamedTuple):
 
 
 class FleetRecorder:
-    """Recorder of a `Fleet` to a bag: the `TrafficRecorder`, and the recorder of the session's ticks.
+    """Recorder of a `Fleet` to a bag: the `TrafficRecorder` of the fleet, and also the recorder of the session's ticks.
 
     Args:
-        writer: an empty bag; the caller closes it.
+        writer: empty bag. The caller closes it.
         session: first record of the bag.
         rooms: names of the map's rooms.
     """
@@ -42,16 +42,16 @@ class FleetRecorder:
         self._last_ns = 0
 
     def received(self, topic: links.TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
-        """Keep a robot's message until it is written."""
+        """Queue a message of a robot."""
         source = ForeignTopic(topic.name, topic.type, topic.md5, topic.definition, publisher, topic.latched)
         self._waiting.append(_ForeignMessage(source, stamp_ns, data))
 
     def sent(self, message: RosMessage) -> None:
-        """Keep a message to a robot until it is written."""
+        """Queue a message to a robot."""
         self._waiting.append(message)
 
     def record(self, snapshot: TeamSnapshot, records: Iterable[Record]) -> None:
-        """Write the waiting messages, then the records of a tick. Raises BagNotWritten."""
+        """Write the queued messages, then the records of a tick. Raises BagNotWritten."""
         records = tuple(records)
         self.flush()
         at, tick = stamp_ns(snapshot.tick), snapshot.tick
@@ -64,7 +64,7 @@ class FleetRecorder:
         self._writer.sync_if_due()
 
     def flush(self) -> None:
-        """Write the waiting messages. Raises BagNotWritten."""
+        """Write the queued messages. Raises BagNotWritten."""
         waiting, self._waiting = self._waiting, []
         for item in waiting:
             self._write(item)
@@ -77,7 +77,7 @@ class FleetRecorder:
             self._write(RosMessage(SESSION, item.stamp_ns, pack.session(tick, session)))
             if self._rooms:
                 self._write(RosMessage(ROOMS, item.stamp_ns, pack.room_labels(tick, MAP_FRAME, self._rooms)))
-        # A tick begins up to 20 ms before the messages received in it, but time stamps in a bag must not go back.
+        # The time of a tick is up to 20 ms before the messages received in it. But times in a bag must not decrease.
         self._last_ns = max(self._last_ns, item.stamp_ns)
         if isinstance(item, _ForeignMessage):
             self._writer.write_foreign(item.source, self._last_ns, item.data)

@@ -1,4 +1,4 @@
-"""Common functions for TCPROS connections of a node: keepalive, orderly close, endpoints for bus info."""
+"""Common functions for TCPROS connections of a node: keepalive, orderly close, addresses of both ends."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ import socket
 from asyncio import Transport
 
 HANDSHAKE_SECONDS = 10.0
-"""Largest time in seconds from the connection to the end of the peer's header."""
+"""Maximum time in seconds from the connection to the end of the peer's header."""
 
 _LINGER = 60.0
-"""Seconds that a peer has to read the remaining data after the close, such as a large map over a slow radio link."""
+"""Seconds after the close in which a peer can read the remaining data, such as a large map over a slow radio link."""
 
 
 _KEEPALIVE = ((("TCP_KEEPIDLE", "TCP_KEEPALIVE"), 60), (("TCP_KEEPINTVL",), 10), (("TCP_KEEPCNT",), 9))
-"""TCP options and their values: seconds of silence, seconds between probes, number of probes. macOS has another name
-for one option."""
+"""Names and values of TCP options: seconds of silence, seconds between probes, number of probes. The first option has
+another name in macOS."""
 
 
 def keep_alive(transport: Transport) -> None:
-    """Make the system detect a peer that disappeared, with ROS's values, within about two minutes."""
+    """Let the system detect within about two minutes that a peer has disappeared. The values are ROS's."""
     link = transport.get_extra_info("socket")
     link.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for names, value in _KEEPALIVE:
@@ -29,13 +29,17 @@ def keep_alive(transport: Transport) -> None:
 
 
 def close_gently(transport: Transport) -> asyncio.TimerHandle:
-    """Close once everything is sent, at the latest after a minute; cancel the handle when the connection is lost."""
+    """Close a connection after all data are sent, or after a minute.
+
+    Returns:
+        A handle that must be cancelled when the connection is lost.
+    """
     transport.close()
     return asyncio.get_running_loop().call_later(_LINGER, transport.abort)
 
 
 def endpoints(transport: Transport) -> tuple[int, str, int, int]:
-    """Return local port, remote host, remote port and socket number of an open transport."""
+    """Return local port, remote host, remote port and socket number of an open transport, as bus info contains them."""
     here = transport.get_extra_info("sockname")
-    there = transport.get_extra_info("peername") or ("", 0)  # empty if the peer has already left
+    there = transport.get_extra_info("peername") or ("", 0)  # The address is empty if the peer has left.
     return here[1], there[0], there[1], transport.get_extra_info("socket").fileno()

@@ -1,4 +1,4 @@
-"""Queues of the master's notifications to nodes. Some nodes may be slow or silent, or not exist."""
+"""Queues of the master's notifications to nodes. Nodes may be slow, silent or gone."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from thbridge.rosgraph.wire.master import NodeShutdown, Notification, ParamUpdat
 from thbridge.sockets.warn_once import WarnOnce
 
 AT_ONCE = 32
-"""Largest number of calls in progress to nodes that answered the last call. The same limit applies to all other
-nodes."""
+"""Maximum number of calls in progress to nodes that have answered the last call. The same limit applies to the calls to
+all other nodes."""
 
 MOST_WAITING = 65_536
-"""Largest number of notifications in all queues."""
+"""Maximum number of notifications in all queues."""
 
 _MOST_KNOWN = 4096
-"""Largest number of addresses remembered as answering."""
+"""Maximum number of stored addresses that have answered."""
 
 _Subject: TypeAlias = tuple[str, str, str]
 
@@ -29,20 +29,20 @@ _log = logging.getLogger(__name__)
 
 @dataclass(slots=True)
 class _Lane:
-    """Addresses that wait for their turn, and the number of those that have a turn now."""
+    """Addresses that wait for their turn, and number of calls in progress."""
 
     line: OrderedDict[str, None] = field(default_factory=OrderedDict)
     busy: int = 0
 
 
 class Deliveries:
-    """Queues of notifications: in order and one at a time for each address, for a limited number of addresses at once.
+    """Queues of notifications. Each address gets its notifications in order, one at a time.
 
-    A later notification about the same topic or parameter replaces the earlier one, at the end of the queue. Addresses
-    that answered last time are served separately from all others, so that silent nodes delay only each other.
+    A later notification about the same topic or parameter replaces the earlier one and moves to the end of the queue.
+    Addresses that answered the last call are separate from all other addresses. So silent nodes delay only each other.
 
     Args:
-        deliver: makes a call and returns True if the node answered.
+        deliver: calls a node and returns True if the node answered.
     """
 
     def __init__(self, deliver: Callable[[Notification], Awaitable[bool]]) -> None:
@@ -63,7 +63,7 @@ class Deliveries:
     def post(self, notification: Notification) -> None:
         """Queue a notification.
 
-        If too many wait, make room by dropping notifications for an address that never answered.
+        If too many notifications wait, drop those for an address that did not answer the last call.
         """
         address = _address_of(notification.api)
         if self._count >= MOST_WAITING and not self._drop_some(address):
@@ -73,18 +73,19 @@ class Deliveries:
             waiting = self._waiting[address] = OrderedDict()
             self._line_up(address)
         subject = _subject(notification)
+        # Only the present state is of use to the node, so the earlier notification is not needed.
         self._count += waiting.pop(subject, None) is None
         waiting[subject] = notification
 
     async def stop(self) -> None:
-        """Drop undelivered notifications."""
+        """Drop all notifications that are not delivered yet."""
         self._stopped = True
         for call in self._calls:
             call.cancel()
         await asyncio.gather(*self._calls, return_exceptions=True)
 
     def _drop_some(self, address: str) -> bool:
-        self._complaints.warn(f"more than {MOST_WAITING} notifications wait for nodes; some are dropped")
+        self._complaints.warn(f"more than {MOST_WAITING} notifications wait for nodes; some notifications are dropped")
         if not self._others.line:
             return False
         dropped, _ = self._others.line.popitem(last=False)

@@ -1,7 +1,7 @@
-"""XML-RPC documents read and written without blocking the event loop, which also runs the game.
+"""Decoding and encoding of XML-RPC documents without blocking the event loop, which also runs the game.
 
-Short documents take at most some milliseconds and are processed at once. Long documents are processed on a thread, one
-after the other.
+Short documents need at most some milliseconds, and are processed at once. Long documents are processed on a thread,
+one after the other.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import TypeVar
 from thbridge.rosgraph.wire.xmlrpc import XmlRpcValue, written_size
 
 SHORT = 16 * 1024
-"""Largest number of bytes of a document that is read or written at once."""
+"""Maximum number of bytes of a document that is processed at once."""
 
 _Result = TypeVar("_Result")
 
@@ -32,7 +32,7 @@ async def write_document(encode: Callable[[], bytes], value: XmlRpcValue) -> byt
     """Encode a document with this value in it.
 
     Raises:
-        ValueError: the value cannot be written.
+        ValueError: XML-RPC cannot represent the value.
     """
     if written_size(value, SHORT) <= SHORT:
         return encode()

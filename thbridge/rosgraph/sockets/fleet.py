@@ -1,4 +1,4 @@
-"""Fleet of real robots on a ROS graph, used as a team: the sockets around `thbridge.ros.remote`."""
+"""Fleet of real robots on a ROS graph, which is used as a team. It adds sockets to `thbridge.ros.remote`."""
 
 import asyncio
 import logging
@@ -41,33 +41,33 @@ from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.warn_once import WarnOnce
 
 CALLER = "/thbridge_fleet"
-"""Name of the node; a simulated session on the same graph has another name."""
+"""Name of the node. A simulated session on the same graph has another name."""
 TEAM_TOPICS = (names.TF, names.TF_STATIC, names.MAP, names.MAP_METADATA, names.ROSOUT, names.DIAGNOSTICS)
-"""Recorded topics that belong to no single robot."""
+"""Recorded topics that are not of a single robot."""
 PLACEMENT_TOLERANCE = 0.5
-"""Largest distance, in meters, between a robot and its start pose at which the robot does not have to be moved."""
+"""Maximum distance in meters between a robot and its start pose at which the robot does not have to be moved."""
 
 _log = logging.getLogger(__name__)
 
 
 class TrafficRecorder(Protocol):
-    """Recorder of the messages from and to the robots; it must not raise."""
+    """Recorder of messages from and to the robots. It must not raise."""
 
     def received(self, topic: links.TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
-        """Record a received message, byte for byte, at this ROS time."""
+        """Record a received message with its original bytes at this ROS time."""
 
     def sent(self, message: RosMessage) -> None:
         """Record a message sent to a robot."""
 
 
 class Fleet:
-    """Real robots; a `thbridge.roles.simr.team.Robots`.
+    """Team of real robots. It implements `thbridge.roles.simr.team.Robots`.
 
     Args:
         graph: address of their ROS graph.
         robots: state and messages of each robot.
-        recorder: records all messages.
-        offset: time by which odometry is ahead of the scans; its default is valid at the start.
+        recorder: recorder of all messages.
+        offset: time by which odometry is ahead of the scans. Its default is the value at the start.
         wall: returns the time of the wall clock, nanoseconds.
     """
 
@@ -105,7 +105,7 @@ class Fleet:
         self._clock_stands = SettledState(False)
 
     async def start(self) -> NodeStarted | CannotListen:
-        """Join the graph; master and robots may appear later."""
+        """Join the graph. Master and robots may appear later."""
         started = await self._node.start()
         if isinstance(started, NodeStarted):
             self._joining = asyncio.get_running_loop().create_task(self._join())
@@ -124,7 +124,7 @@ class Fleet:
         await self._node.stop()
 
     def missing(self) -> list[str]:
-        """Return the reasons why the robots cannot be commanded yet; one sentence each."""
+        """Return the reasons why the robots cannot be commanded yet. Each reason is one sentence."""
         if self._clock is None:
             return [f"there is no ROS master at {self._node.master_uri} yet"]
         if not self._clock.runs:
@@ -143,18 +143,18 @@ class Fleet:
 
     @property
     def joined(self) -> bool:
-        """True once a master was found. Later, the node itself reports if the master is missing or gone."""
+        """True after a master was found. If it is lost later, the node itself reports this."""
         return self._clock is not None
 
     def tell_changes(self) -> None:
-        """Log impossible odometry, and parts that became silent, or came back, at least a second ago."""
+        """Log impossible odometry, and parts of robots that have been silent or back for at least a second."""
         if self._clock is None or not self._clock.runs:
             return
         wall_ns = self._wall()
         now_ns = self._clock.now(wall_ns)
         if self._clock_stands.take(self._clock.stands(wall_ns), wall_ns):
             stands = self._clock_stands.settled
-            news = "silent, so time continues with this machine's clock" if stands else "it is back"
+            news = "no messages; time continues with this machine's clock" if stands else "messages arrive again"
             _log.warning("%s: %s", names.CLOCK, news)
         for robot, remote in enumerate(self._robots):
             state = self._silent[robot]
@@ -165,10 +165,10 @@ class Fleet:
                 _log.warning("%s: %s", robot_name(robot), notice)
             if remote.resent_goals != self._resent[robot]:
                 self._resent[robot] = remote.resent_goals
-                _log.warning("%s: its navigation did not list its goal; the goal is sent again", robot_name(robot))
+                _log.warning("%s: its navigation did not report its goal, so the goal is sent again", robot_name(robot))
 
     def now(self) -> int | None:
-        """Return the ROS time in nanoseconds; None while it is unknown."""
+        """Return the ROS time in nanoseconds, or None while it is unknown."""
         return None if self._clock is None or not self._clock.runs else self._clock.now(self._wall())
 
     @property
@@ -178,19 +178,19 @@ class Fleet:
 
     @property
     def parameters(self) -> tuple[RobotParameters, ...]:
-        """Empty: the robots run their own software."""
+        """Empty, because real robots run their own software."""
         return ()
 
     @property
     def worlds(self) -> tuple[WorldParameters, ...]:
-        """Empty: the real world has no parameters."""
+        """Empty, because the real world has no parameters."""
         return ()
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
-        """Carry out the inputs and return the current state of the robots; the tick is that of ROS time.
+        """Carry out the inputs and return the current state of the robots. The tick is computed from ROS time.
 
         Raises:
-            ValueError: the robots cannot be commanded yet, see `missing`.
+            ValueError: the robots cannot be commanded yet; see `missing`.
         """
         now_ns = self.now()
         if now_ns is None:
@@ -205,7 +205,7 @@ class Fleet:
             self._recorder.sent(RosMessage(self._parameters.topic, now_ns, config))
         known = tuple(output for output in outputs if output is not None)
         if len(known) < len(outputs):
-            raise ValueError(f"not all robots are there yet: {'; '.join(self.missing())}")
+            raise ValueError(f"not all robots are ready yet: {'; '.join(self.missing())}")
         commands = [output.navigation.command for output in known]
         velocities = np.array([(command.linear, command.angular) for command in commands])
         self._last = TeamSnapshot(tick_of(now_ns), None, known, velocities)
@@ -220,13 +220,14 @@ class Fleet:
             case SendGoal(robot) | CancelGoal(robot) | DriveManually(robot) | SetPoseEstimate(robot):
                 self._robots[robot].take(item, now_ns)
             case SetCharge():
-                pass  # the keeper counts the game's energy; a real battery cannot be set
+                pass  # The keeper counts the game's energy. A real battery cannot be set.
             case PlaceRobot(robot, pose):
                 if (
                     self._last is None
                     or self._last.robots[robot].estimate.base_in_map.distance(pose) > PLACEMENT_TOLERANCE
                 ):
-                    _log.warning("%s belongs at (%.2f, %.2f): please move it there", robot_name(robot), pose.x, pose.y)
+                    where = robot_name(robot), pose.x, pose.y
+                    _log.warning("%s is not at its start pose: please move it to (%.2f, %.2f)", *where)
             case _:
                 name = next(name for name, input_class in TEAM_INPUTS.items() if input_class is type(item))
                 self._complaints.warn(f"real robots do not support {name}")
@@ -234,7 +235,7 @@ class Fleet:
     # The graph
 
     async def _join(self) -> None:
-        """Wait for the master, choose wall or simulated time, and subscribe."""
+        """Wait for the master, select wall time or simulated time, and subscribe."""
         await self._node.registered()
         simulated = await self._node.get_param(names.USE_SIM_TIME) is True
         clock = RosClock(simulated)
@@ -250,7 +251,7 @@ class Fleet:
                 wanted.setdefault(topic, [])
             for topic in robot.subscriptions:
                 wanted.setdefault(topic, []).append(robot)
-        wanted.pop(names.CLOCK, None)  # not recorded, because the player of a bag publishes its own clock
+        wanted.pop(names.CLOCK, None)  # It is not recorded, because the player of a bag publishes its own clock.
         for topic, robots in wanted.items():
             self._listen(topic, {robot: robot.subscriptions[topic] for robot in robots})
 
@@ -259,7 +260,7 @@ class Fleet:
             try:
                 clock.receive(Cursor(data).stamp(), self._wall())
             except ValueError as error:
-                self._complaints.warn(f"{names.CLOCK}: ignored a message of {publisher}: {error}")
+                self._complaints.warn(f"{names.CLOCK}: a message of {publisher} is ignored: {error}")
 
         self._node.subscribe(names.CLOCK, types.CLOCK, self._definitions.of(types.CLOCK).md5, on_message)
 
@@ -273,6 +274,7 @@ class Fleet:
                 self._complaints.warn(f"{topic}: {publisher} publishes {header.type}, but {kind} was expected")
 
         def on_message(data: bytes, publisher: str) -> None:
+            # Messages of this program are recorded when they are sent.
             if publisher == CALLER or self._clock is None:
                 return
             now_ns = self._clock.now(self._wall())
@@ -280,7 +282,7 @@ class Fleet:
             self._recorder.received(header, publisher, now_ns, data)
             for robot, md5 in wanted.items():
                 if header.md5 == md5 and isinstance(refused := robot.receive(topic, data, now_ns), InvalidMessage):
-                    self._complaints.warn(f"{topic}: ignored a message of {publisher}: {refused.sentence}")
+                    self._complaints.warn(f"{topic}: a message of {publisher} is ignored: {refused.sentence}")
 
         self._node.subscribe(topic, "*", "*", on_message, on_publisher=on_publisher)
 

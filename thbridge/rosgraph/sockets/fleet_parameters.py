@@ -1,4 +1,4 @@
-"""Time offset of real robots' odometry on a ROS graph: on the parameter server, and by dynamic_reconfigure."""
+"""Time offset of real robots' odometry, as a parameter of the ROS graph and by dynamic_reconfigure."""
 
 import logging
 import math
@@ -21,16 +21,16 @@ _log = logging.getLogger(__name__)
 
 
 class FleetParameters:
-    """Current time offset, which nodes of the graph can read and change.
+    """Current time offset. Nodes of the graph can read and change it.
 
     Args:
         node: node of the fleet.
         definitions: definitions of message types.
-        offset: the parameter; its default is valid at the start.
+        offset: declaration of the parameter. Its default is the value at the start.
         apply: called with each new value, seconds.
 
     Attributes:
-        topic: topic of dynamic_reconfigure with a message for each change.
+        topic: topic of dynamic_reconfigure, with a message for each change.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class FleetParameters:
         self._publish()
 
     def take_unrecorded(self) -> bytes | None:
-        """Return the message on `topic` that is not recorded yet, once."""
+        """Return the message on `topic` that is not recorded yet, or None. Each message is returned once."""
         config, self._unrecorded = self._unrecorded, None
         return config
 
@@ -69,7 +69,7 @@ class FleetParameters:
         return config
 
     def _reconfigure(self, data: bytes) -> bytes | ServiceFailed:
-        """Serve a change by a client of dynamic_reconfigure, within the bounds, as ROS's servers do."""
+        """Process a change by a client of dynamic_reconfigure. Values are clamped to the bounds, as in ROS."""
         requested = reconfigure.requested_values(self._server, data)
         if isinstance(requested, InvalidMessage):
             return ServiceFailed(requested.sentence)
@@ -78,7 +78,7 @@ class FleetParameters:
         return self._publish()
 
     def _set(self, key: str, value: XmlRpcValue) -> None:
-        """Apply a change on the parameter server; a deletion, or a value that is not an offset, is undone."""
+        """Apply a change on the parameter server. Undo a deletion, or a value that is not an offset."""
         given = dict(leaves(key.rstrip("/"), value))
         if given != {self._key: self._seconds}:
             self._change(given.get(self._key, self._seconds))
@@ -87,9 +87,9 @@ class FleetParameters:
     def _change(self, value: object) -> None:
         (offset,) = self._server.parameters
         number = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
-        if number != offset.clamped(number):  # or NaN
+        if number != offset.clamped(number):  # True also for NaN.
             least, most = offset.minimum, offset.maximum
-            _log.warning("%s keeps its value: it is a number from %g to %g, not %r", self._key, least, most, value)
+            _log.warning("%s keeps its value: it must be a number from %g to %g, not %r", self._key, least, most, value)
         elif number != self._seconds:
             self._seconds = number
             self._apply(number)

@@ -1,4 +1,4 @@
-"""XML-RPC over HTTP/1.1: client for calls of ROS 1's master and slave APIs.
+"""XML-RPC over HTTP/1.1: client for ROS 1's master and slave APIs.
 
 A server may be slow, silent, hostile or gone. Network errors are returned as values.
 """
@@ -26,12 +26,12 @@ from thbridge.rosgraph.wire.xmlrpc import (
 from thbridge.sockets.listening import check_room
 
 _SEGMENT = 64 * 1024
-"""Largest number of bytes read at a time."""
+"""Maximum number of bytes that are read at a time."""
 
 
 @dataclass(frozen=True, slots=True)
 class CallFailed:
-    """Call without a valid answer: no server, too slow, or not XML-RPC. Its text is one line."""
+    """Call without a valid answer: no server, too slow, or not XML-RPC. `str` returns one line."""
 
     uri: str
     reason: str
@@ -58,20 +58,20 @@ class _Link:
 
 
 class _HungUpError(Exception):
-    """The server closed the connection before it answered."""
+    """Raised if the server closed the connection before it answered."""
 
 
 class _NotAnAnswerError(Exception):
-    """The answer is not XML-RPC."""
+    """Raised if the answer is not XML-RPC."""
 
 
 class XmlRpcClient:
-    """XML-RPC client that keeps one idle connection to each of the most recent servers.
+    """XML-RPC client. It keeps one idle connection to each of the servers that it called most recently.
 
-    If the server has closed a kept connection, a new connection replaces it, as in ROS's own clients.
+    If a server has closed an idle connection, the client opens a new connection, like ROS's own clients.
 
     Args:
-        kept: largest number of idle connections.
+        kept: maximum number of idle connections.
     """
 
     def __init__(self, kept: int = 32) -> None:
@@ -87,10 +87,10 @@ class XmlRpcClient:
             uri: URI of the server, ``http://host:port/``.
             method: name of the method.
             params: parameters by position.
-            timeout: seconds for everything, including the connection.
+            timeout: seconds for the complete call, including the connection.
 
         Raises:
-            ValueError: a parameter cannot be written as XML-RPC.
+            ValueError: XML-RPC cannot represent a parameter.
         """
         given = [*params]
         return await self.post(uri, await write_document(lambda: encode_call(method, given), given), timeout)
@@ -99,7 +99,7 @@ class XmlRpcClient:
         """Make a call that is already encoded; see `call`."""
         address = _address_of(uri)
         if address is None:
-            return CallFailed(uri, "that is not an http URI")
+            return CallFailed(uri, "this is not an http URI")
         try:
             async with asyncio.timeout(timeout):
                 answer = await read_document(decode_response, await self._exchange(address, body))
@@ -108,20 +108,21 @@ class XmlRpcClient:
         except OSError as error:
             return CallFailed(uri, reason_of(error))
         except _HungUpError:
-            return CallFailed(uri, "it hung up")
-        except (h11.ProtocolError, _NotAnAnswerError, UnicodeError) as error:  # UnicodeError: an invalid host name
+            return CallFailed(uri, "the server closed the connection without an answer")
+        except (h11.ProtocolError, _NotAnAnswerError, UnicodeError) as error:  # UnicodeError: invalid host name
             return CallFailed(uri, str(error))
         if isinstance(answer, MalformedDocument):
             return CallFailed(uri, f"the answer is not XML-RPC: {answer.reason}")
         return answer
 
     async def close(self) -> None:
-        """Close the idle connections; calls in progress continue."""
+        """Close the idle connections. Calls in progress continue."""
         while self._idle:
             _, link = self._idle.popitem()
             link.writer.close()
 
     async def _exchange(self, address: _Address, body: bytes) -> bytes:
+        # Servers close idle connections at any time.
         for key, link in [*self._idle.items()]:
             if link.reader.at_eof():
                 link.writer.close()
@@ -131,13 +132,14 @@ class XmlRpcClient:
             try:
                 return await self._ask(kept, address, body)
             except (_HungUpError, ConnectionError):
-                pass  # the server has closed it; if the server is gone, the next attempt fails
+                pass  # The server has closed this idle connection. If the server is gone, the next attempt fails too.
+        # Other nodes choose the addresses that are called. They must not use up the descriptors for recording.
         check_room()
         reader, writer = await asyncio.open_connection(address.host, address.port)
         return await self._ask(_Link(reader, writer, h11.Connection(h11.CLIENT)), address, body)
 
     async def _ask(self, link: _Link, address: _Address, body: bytes) -> bytes:
-        """Send a request and return the body of the answer; the connection is then kept or closed."""
+        """Send a request and return the body of the answer. Afterwards the connection becomes idle or is closed."""
         try:
             head = link.http.send(
                 h11.Request(
@@ -208,4 +210,5 @@ def _address_of(uri: str) -> _Address | None:
         return None
     if parts.scheme != "http" or not parts.hostname:
         return None
+    # `/RPC2` is the path that Python's XML-RPC clients use if the URI has none.
     return _Address(parts.hostname, 80 if port is None else port, parts.netloc, parts.path or "/RPC2")

@@ -1,6 +1,6 @@
-"""XML-RPC over HTTP/1.1: server of ROS 1's master and slave APIs.
+"""XML-RPC over HTTP/1.1: server for ROS 1's master and slave APIs.
 
-A peer may be slow, silent, hostile or gone. Every wait has a deadline; every buffer and every collection has a limit.
+A peer may be slow, silent, hostile or gone. So every wait has a timeout, and every buffer and collection has a limit.
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ from thbridge.sockets.listening import ServerDoor
 _log = logging.getLogger(__name__)
 
 _SEGMENT = 64 * 1024
-"""Largest number of bytes read at a time."""
+"""Maximum number of bytes that are read at a time."""
 
 _APPLICATION_ERROR = 1
-"""Fault code that Python's XML-RPC servers use for every error, and so do rospy and rosmaster."""
+"""Fault code of every error in Python's XML-RPC servers, and so in rospy and rosmaster."""
 
 _PARSE_ERROR = -32700
 """Fault code of a malformed call. Source: http://xmlrpc-epi.sourceforge.net/specs/rfc.fault_codes.php."""
 
 CallHandler: TypeAlias = Callable[[MethodCall, str], XmlRpcValue | Fault | Awaitable[XmlRpcValue | Fault]]
-"""Function that answers a call from a peer's address, at once or later."""
+"""Function that answers a call, at once or later. Its arguments are the call and the peer's address."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,14 +51,14 @@ class HttpLimits:
     """Limits of a server.
 
     Args:
-        connections: largest number of connections. A further connection closes another one: the connection that has
-            been idle longest, of the address with the most connections.
-        header_bytes: size of a request's header, checked after each read.
-        held_bytes: bytes of requests that are not decoded yet, over all connections; the same limit applies to unread
-            answers.
-        request_seconds: seconds from the first byte of a request to its last; the peer has the same time to read the
-            answer.
-        idle_seconds: seconds between two requests of a connection.
+        connections: maximum number of connections. A further connection replaces the one that has been idle longest
+            among those of the address with the most connections.
+        header_bytes: maximum size of a request's header. It is checked after each read.
+        held_bytes: maximum number of bytes in requests of all connections that are not decoded yet. The same limit
+            applies to unread answers.
+        request_seconds: maximum time from the first to the last byte of a request, seconds. The peer has the same time
+            to read the answer.
+        idle_seconds: maximum time between two requests of a connection, seconds.
     """
 
     connections: int = 512
@@ -71,11 +71,11 @@ class HttpLimits:
 class XmlRpcServer:
     """XML-RPC server that accepts several requests per connection.
 
-    ``system.listMethods`` and ``system.multicall`` are answered here.
+    The server itself answers ``system.listMethods`` and ``system.multicall``.
 
     Args:
-        methods: names of the handler's methods; it is never called for others.
-        handler: answers a call. An exception becomes a fault and a line in the log.
+        methods: names of the handler's methods. The handler is only called for these.
+        handler: answers a call. If it raises, the answer is a fault, and the exception is logged.
         limits: limits of the server.
     """
 
@@ -92,7 +92,7 @@ class XmlRpcServer:
         self._limits = limits or HttpLimits()
         self._door = ServerDoor(self._limits.connections)
         self._connections: OrderedDict[asyncio.Task[None], str] = OrderedDict()
-        """Peers by connection, longest idle first."""
+        """Peers by connection. The connection that has been idle longest is first."""
         self._held = 0
         self._sending = 0
         self._turn = asyncio.Lock()
@@ -103,9 +103,9 @@ class XmlRpcServer:
         return len(self._connections)
 
     async def start(self, host: str = "127.0.0.1", port: int = 0) -> ListeningAddress | CannotListen:
-        """Start to serve; port 0 chooses a free one."""
+        """Start to serve. Port 0 selects any free port."""
         if not 0 <= port <= 65535:
-            return CannotListen(host, port, "a port is a number from 0 to 65535")
+            return CannotListen(host, port, "a port must be a number from 0 to 65535")
         try:
             return await self._door.listen(self._connection, host, port)
         except (OSError, UnicodeError) as error:
@@ -121,7 +121,7 @@ class XmlRpcServer:
         await self._door.wait_closed()
 
     async def answer(self, call: MethodCall, peer: str) -> XmlRpcValue | Fault:
-        """Answer a call, including calls of this process without a socket."""
+        """Answer a call. Calls of this process need no socket."""
         if call.method == "system.listMethods":
             return [*sorted(self._methods), "system.listMethods", "system.multicall"]
         if call.method == "system.multicall":
@@ -145,14 +145,14 @@ class XmlRpcServer:
                 answers: list[XmlRpcValue] = []
                 room = MAX_BYTES
                 for call in calls:
-                    await asyncio.sleep(0)  # there may be thousands of calls
+                    await asyncio.sleep(0)  # There may be thousands of calls, and the event loop has other work.
                     answers.append(await self._one_of_many(call, peer))
                     room -= written_size(answers[-1], room)
                     if room < 0:
                         return Fault(_APPLICATION_ERROR, f"the answers are longer than {MAX_BYTES} characters")
                 return answers
             case _:
-                return Fault(_APPLICATION_ERROR, "system.multicall takes one array of structs")
+                return Fault(_APPLICATION_ERROR, "system.multicall requires one array of structs")
 
     async def _one_of_many(self, call: XmlRpcValue, peer: str) -> XmlRpcValue:
         match call:
@@ -161,7 +161,7 @@ class XmlRpcServer:
             case {"methodName": str(method), "params": list(params)}:
                 answer = await self.answer(MethodCall(method, params), peer)
             case _:
-                answer = Fault(_APPLICATION_ERROR, "a call is a struct of methodName and params")
+                answer = Fault(_APPLICATION_ERROR, "a call must be a struct of methodName and params")
         if isinstance(answer, Fault):
             return {"faultCode": answer.code, "faultString": answer.text}
         return [answer]
@@ -180,14 +180,15 @@ class XmlRpcServer:
             longest_idle = next(task for task, other in self._connections.items() if other == most)
             del self._connections[longest_idle]
             longest_idle.cancel()
-        # After draining, all data are in the kernel, so no data waits in this process for a peer that does not read.
+        # With limit 0, `drain` returns when all data are in the kernel. So no data of a peer that does not read wait in
+        # this process.
         writer.transport.set_write_buffer_limits(0)
         task = asyncio.get_running_loop().create_task(self._serve(reader, writer, peer))
         self._connections[task] = peer
 
         def ended(task: asyncio.Task[None]) -> None:
             self._connections.pop(task, None)
-            writer.close()  # closed here, because a task cancelled before its first step runs no `finally`
+            writer.close()  # Not in `_serve`: a task that is cancelled before its first step runs no `finally`.
 
         task.add_done_callback(ended)
 
@@ -202,25 +203,27 @@ class XmlRpcServer:
                     self._held -= len(body)
                 answer = await self._answer_to(call, peer)
                 if self._sending + len(answer) > self._limits.held_bytes:
-                    answer = encode_fault(_APPLICATION_ERROR, "too much at a time")
+                    answer = encode_fault(_APPLICATION_ERROR, "the server has too many unread answers")
                 self._sending += len(answer)
                 try:
                     await self._send(http, writer, 200, b"OK", answer)
                 finally:
                     self._sending -= len(answer)
-                if http.our_state is not h11.DONE:  # the peer asked for the connection to be closed
+                if http.our_state is not h11.DONE:  # The peer has requested that the connection is closed.
                     break
                 http.start_next_cycle()
         except h11.RemoteProtocolError as error:
             if http.our_state in {h11.IDLE, h11.SEND_RESPONSE}:
                 await self._turn_away(http, writer, error)
-        except (OSError, asyncio.CancelledError):  # gone, too slow (a TimeoutError), or disconnected
+        except (OSError, asyncio.CancelledError):  # The peer is gone, too slow (TimeoutError), or was disconnected.
             writer.transport.abort()
 
     async def _request(
         self, http: h11.Connection, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
     ) -> bytes | None:
-        """Return the body of the next request, which counts as held until the caller releases it; None at the end.
+        """Return the body of the next request, or None at the end of the connection.
+
+        The body counts as held until the caller subtracts it.
 
         Raises:
             TimeoutError: the peer is idle or too slow.
@@ -229,6 +232,7 @@ class XmlRpcServer:
         """
         loop = asyncio.get_running_loop()
         body = bytearray()
+        # The peer may have sent the next request together with the last one.
         begun = bool(http.trailing_data[0])
         timeout = self._limits.request_seconds if begun else self._limits.idle_seconds
         try:
@@ -251,12 +255,12 @@ class XmlRpcServer:
                         if len(body) > MAX_BYTES:
                             raise h11.RemoteProtocolError("the request is too long", 413)
                         if self._held > self._limits.held_bytes:
-                            raise h11.RemoteProtocolError("too much at a time", 503)
+                            raise h11.RemoteProtocolError("too many bytes of requests are waiting", 503)
                     elif isinstance(event, h11.EndOfMessage):
                         complete = bytes(body)
                         body.clear()
                         return complete
-                    else:  # closed, or a change of protocols, which is not supported
+                    else:  # The connection is closed, or the peer requests another protocol, which is not supported.
                         return None
         finally:
             self._held -= len(body)
@@ -267,21 +271,21 @@ class XmlRpcServer:
             self._connections.move_to_end(task)
 
     async def _call_in(self, body: bytes) -> MethodCall | MalformedDocument:
-        # Only one call runs in each round of the event loop, so that other work is not delayed by many connections.
+        # Only one call runs in each round of the event loop, so that many connections do not delay other work.
         async with self._turn:
             await asyncio.sleep(0)
         return await read_document(decode_call, body)
 
     async def _answer_to(self, call: MethodCall | MalformedDocument, peer: str) -> bytes:
         if isinstance(call, MalformedDocument):
-            return encode_fault(_PARSE_ERROR, f"this is no XML-RPC call: {call.reason}")
+            return encode_fault(_PARSE_ERROR, f"this is not an XML-RPC call: {call.reason}")
         answer = await self.answer(call, peer)
         if isinstance(answer, Fault):
             return encode_fault(answer.code, answer.text)
         try:
             return await write_document(lambda: encode_response(answer), answer)
         except ValueError as error:
-            return encode_fault(_APPLICATION_ERROR, f"the answer cannot be written: {error}")
+            return encode_fault(_APPLICATION_ERROR, f"the answer cannot be encoded: {error}")
 
     async def _turn_away(
         self, http: h11.Connection, writer: asyncio.StreamWriter, error: h11.RemoteProtocolError
@@ -306,7 +310,7 @@ class XmlRpcServer:
         http.send(h11.Data(data=body))
         http.send(h11.EndOfMessage())
         async with asyncio.timeout(self._limits.request_seconds):
-            writer.write(head + body)  # in one write: a second segment would wait for a delayed acknowledgement
+            writer.write(head + body)  # One write, because a second segment would wait for a delayed acknowledgement.
             await writer.drain()
 
 
@@ -314,8 +318,8 @@ def _check(request: h11.Request) -> None:
     if request.method != b"POST":
         raise h11.RemoteProtocolError("XML-RPC requires POST", 405)
     if any(name == b"origin" for name, _ in request.headers):
-        # Only browsers say which page sent a request; no program of a graph is a browser.
-        raise h11.RemoteProtocolError("pages in browsers are not served", 403)
+        # Only browsers send this header, with the page that sent the request. No program of a graph is a browser.
+        raise h11.RemoteProtocolError("requests of web pages are refused", 403)
     for name, value in request.headers:
         if name == b"content-length" and int(value) > MAX_BYTES:
             raise h11.RemoteProtocolError("the request is too long", 413)

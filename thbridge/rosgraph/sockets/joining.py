@@ -1,4 +1,4 @@
-"""Master of a graph: an existing one, or one started here."""
+"""Master of a graph. If there is none, this program may start one."""
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -23,7 +23,8 @@ class GraphAddress:
 
     Attributes:
         master_uri: URI of the master, ``http://HOST:PORT``.
-        host: own address, to listen on and to be called at. Every program that can connect there can drive robots.
+        host: own address. This program listens on it, and other nodes call it there. Every program that can connect to
+            it can drive robots.
         admission: decides by address which nodes and tools are accepted.
     """
 
@@ -36,8 +37,8 @@ class MasterPresence(Enum):
     """State of a graph's master."""
 
     FOUND = "a master exists"
-    OURS = "this machine had none, so this program is the master"
-    AWAITED = "there is none yet"
+    OURS = "there was no master on this machine, so this program is the master"
+    AWAITED = "there is no master yet"
 
 
 def is_master_uri(text: str) -> bool:

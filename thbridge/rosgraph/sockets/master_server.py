@@ -1,4 +1,4 @@
-"""ROS master over TCP: serves calls and delivers notifications to nodes."""
+"""ROS master over TCP, which answers calls and sends notifications to nodes."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ CALLER_ID = "/master"
 
 _DISTRIBUTION = "noetic"
 _VERSION = "1.16.0"
-"""Reported ROS release, the last release of ROS 1: distribution, and version of its roslaunch."""
+"""Reported ROS release, which is the last release of ROS 1: distribution, and version of its roslaunch."""
 
 _KEPT_CONNECTIONS = 128
 
@@ -44,7 +44,7 @@ _log = logging.getLogger(__name__)
 
 
 class MasterServer:
-    """ROS master that nodes call over TCP, and this process directly.
+    """ROS master. Nodes call it over TCP, and this process calls it directly.
 
     Like roscore, it also sets the parameters ``/run_id``, ``/rosdistro`` and ``/rosversion``. It can be used inside
     another program's event loop::
@@ -53,9 +53,9 @@ class MasterServer:
             if isinstance(master, CannotListen): ...
 
     Args:
-        host: address to listen on; ``0.0.0.0`` accepts other machines, and ROS 1 has no security at all.
-        port: port to listen on; 0 chooses a free one.
-        timeout: seconds that a node has to accept a notification.
+        host: address to listen on. ``0.0.0.0`` also accepts other machines. ROS 1 has no security.
+        port: port to listen on. 0 selects any free port.
+        timeout: maximum time in seconds for a node's answer to a notification.
         admission: decides by address which callers are accepted.
     """
 
@@ -96,7 +96,7 @@ class MasterServer:
         return where
 
     async def stop(self) -> None:
-        """Stop serving; undelivered notifications are dropped."""
+        """Stop serving. Notifications that are not delivered yet are dropped."""
         await self._server.stop()
         await self._deliveries.stop()
         await self._client.close()
@@ -115,7 +115,7 @@ class MasterServer:
         await self._stopped.wait()
 
     def call(self, method: str, caller_id: str, *params: XmlRpcValue) -> ApiReply:
-        """Answer a call of this process as if it had come over a socket.
+        """Answer a call of this process like a call that arrives over a socket.
 
         Raises:
             KeyError: the method is unknown.
@@ -145,13 +145,13 @@ class MasterServer:
                     case MethodResponse([int(status), *_]) if status == ERROR:
                         self._master.refuse_update(api, key)
         if not isinstance(answer, MethodResponse):
-            _log.info("could not be notified (%s): %s", answer, notification)
+            _log.info("a node could not be notified: %s; notification: %s", answer, notification)
         return not isinstance(answer, CallFailed)
 
     async def _notify(self, api: str, method: str, *params: XmlRpcValue) -> MethodResponse | Fault | CallFailed:
         try:
             return await self._client.call(api, method, CALLER_ID, *params, timeout=self._timeout)
-        except ValueError as error:  # a parameter that is too long after encoding
+        except ValueError as error:  # A parameter is too long after encoding.
             return CallFailed(api, str(error))
 
 
@@ -161,7 +161,7 @@ async def serve(
     ready: Callable[[ListeningAddress | CannotListen], None],
     admission: Admission = OWN_MACHINE,
 ) -> None:
-    """Run what roscore runs, master and rosout, until Ctrl-C, SIGTERM, or a node's call of ``shutdown``.
+    """Run the programs of roscore (master and rosout) until Ctrl-C, SIGTERM, or a node's call of ``shutdown``.
 
     Args:
         host: see `MasterServer`.
@@ -176,9 +176,9 @@ async def serve(
         return
     rosout = rosout_node(master.uri, where.host, admission)
     if ":" in where.host:
-        _log.warning("no /rosout_agg: nodes support IPv4 only")
+        _log.warning("/rosout_agg is not published: nodes support only IPv4")
     elif isinstance(cannot := await rosout.start(), CannotListen):
-        _log.warning("no /rosout_agg: %s", cannot)
+        _log.warning("/rosout_agg is not published: %s", cannot)
     with stopping() as stopped:
         endings = [asyncio.ensure_future(ending) for ending in (stopped.wait(), master.stopped())]
         await asyncio.wait(endings, return_when=asyncio.FIRST_COMPLETED)
@@ -190,12 +190,12 @@ async def serve(
 
 @lru_cache(16)
 def _publisher_update(topic: str, publishers: tuple[str, ...]) -> bytes:
-    """Encode a call for all subscribers of a topic."""
+    """Encode a call for all subscribers of a topic. The cache saves encoding it again for each subscriber."""
     return encode_call("publisherUpdate", [CALLER_ID, topic, [*publishers]])
 
 
 def _advertised(host: str) -> str:
-    """Return the host in our URI; for the wildcard address, this machine's name."""
+    """Return the host for our URI. If it is the wildcard address, return this machine's name."""
     if host in {"0.0.0.0", "::"}:
         return socket.gethostname()
     return f"[{host}]" if ":" in host else host

@@ -1,13 +1,13 @@
-"""ROS 1 node: publishes, subscribes, serves and calls on a ROS graph, by TCPROS, without an installation of ROS.
+"""ROS 1 node. It publishes, subscribes and serves on a ROS graph by TCPROS, without an installation of ROS.
 
-Everything runs on the thread of one event loop. Callbacks are called there, at once, and must not raise. No peer can
+Everything runs on the thread of one event loop. The loop calls callbacks directly, so they must not raise. No peer can
 make a node raise or wait.
 
 Source: https://wiki.ros.org/ROS/Technical%20Overview, Master_API, Slave_API, TCPROS; rospy for further behavior that
 ROS's tools rely on.
 
-Differs: a node registers again with a restarted master; nodes of rospy and roscpp do not. UDPROS is not supported.
-Small messages are always sent at once (TCP_NODELAY), even if the subscriber does not ask for it.
+Differs: a node registers again with a restarted master, unlike nodes of rospy and roscpp. UDPROS is not supported.
+Small messages are always sent at once (TCP_NODELAY), even if the subscriber does not request it.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ ParamCallback: TypeAlias = Callable[[str, XmlRpcValue], None]
 """Callback with the key of a parameter and its new value."""
 
 _CALLERS = 128
-"""Largest number of connections to the slave API."""
+"""Maximum number of connections to the slave API."""
 
 _log = logging.getLogger(__name__)
 
@@ -89,21 +89,21 @@ def _ignore_value(value: XmlRpcValue) -> None:
 
 
 class RosNode:
-    """One node.
+    """ROS node.
 
     Names are global and resolved, such as ``/robot1/scan``. Publications, subscriptions and services last as long as
-    the node. They can be made before `start` and while the master is away.
+    the node. They can be added before `start`, and while there is no master.
 
     Args:
         name: name of the node, such as ``/thbridge``.
         master_uri: URI of the master, such as ``http://127.0.0.1:11311``.
-        host: address to listen on, and to give to other nodes. Every program that can connect can command robots,
-            because TCPROS has no passwords; with 127.0.0.1, only users of this machine can. With 0.0.0.0 it listens on
-            every address, and other nodes get this machine's name.
-        on_shutdown: called with the reason when the node is asked to end: another node has taken its name, or a user
-            ran ``rosnode kill``. It should make the owner call `stop`.
+        host: address on which the node listens and at which other nodes call it. Every program that can connect can
+            command robots, because TCPROS has no passwords. With 127.0.0.1, only programs of this machine can connect.
+            With 0.0.0.0, the node listens on every address, and other nodes get this machine's name.
+        on_shutdown: called with the reason when the node is asked to end. The cause is another node that has taken its
+            name, or ``rosnode kill``. It should cause the owner to call `stop`.
         on_lost: called when the master no longer answers.
-        on_found: called when all registrations with a new master are complete: with the first master, or with a
+        on_found: called when all registrations with a new master are complete. This is the first master, or a
             restarted master, which has lost its parameters.
     """
 
@@ -141,7 +141,7 @@ class RosNode:
         self._leaving: asyncio.Task[None] | None = None
 
     async def start(self) -> NodeStarted | CannotListen:
-        """Listen, and start to register; the master may appear later."""
+        """Listen, and start to register. The master may appear later."""
         address = await self._address()
         if isinstance(address, CannotListen):
             return address
@@ -166,18 +166,18 @@ class RosNode:
         except OSError as error:
             return CannotListen(self.host, 0, reason_of(error))
         except UnicodeError:
-            return CannotListen(self.host, 0, "that is not a host name")
+            return CannotListen(self.host, 0, "this is not the name of a host")
         return str(found[0][4][0])
 
     async def registered(self) -> None:
-        """Wait until all current registrations of this node are complete.
+        """Wait until all present registrations of this node are complete.
 
         Refused registrations are logged and repeated.
         """
         await self._registrar.settled()
 
     async def stop(self) -> None:
-        """Unregister everything, send the published messages, and close every connection."""
+        """Remove all registrations, send the published messages, and close all connections."""
         registering, self._registering = self._registering, None
         if registering is None:
             if self._leaving is not None and self._leaving is not asyncio.current_task():
@@ -201,16 +201,16 @@ class RosNode:
 
         Args:
             topic: global name.
-            kind: its type, such as ``sensor_msgs/LaserScan``.
+            kind: type of its messages, such as ``sensor_msgs/LaserScan``.
             md5: the type's md5 sum.
-            definition: the type's whole text, as in bags.
+            definition: the type's complete text, as in bags.
             latched: True if new subscribers get the last message at once.
 
         Raises:
-            ValueError: this node already publishes it.
+            ValueError: this node already publishes the topic.
         """
         if topic in self._tcpros.publications:
-            raise ValueError(f"{topic} is published already")
+            raise ValueError(f"this node already publishes {topic}")
         publication = self._tcpros.offer(TopicHeader(topic, kind, md5, definition, latched))
         self._registrar.add(Registration(RegistrationKind.PUBLISHER, topic, kind), _ignore_value)
         return publication
@@ -224,21 +224,21 @@ class RosNode:
         tcp_nodelay: bool = True,
         on_publisher: PublisherCallback = ignore_publisher,
     ) -> None:
-        """Subscribe to a topic of all publishers, including this node.
+        """Subscribe to a topic. Messages come from all publishers, including this node.
 
         Args:
             topic: global name.
-            kind: its type, or ``*`` for any type.
+            kind: type of its messages, or ``*`` for any type.
             md5: the type's md5 sum, or ``*`` for any sum.
             on_message: called with each serialized message and the name of its publisher.
-            tcp_nodelay: True to ask publishers to send small messages at once.
-            on_publisher: called with each publisher that has accepted, and its header of the topic.
+            tcp_nodelay: True to request that publishers send small messages at once.
+            on_publisher: called with the name of each publisher that accepts the subscription, and its header.
 
         Raises:
-            ValueError: this node already subscribes to it.
+            ValueError: this node already subscribes to the topic.
         """
         if topic in self._subscriptions:
-            raise ValueError(f"{topic} is subscribed to already")
+            raise ValueError(f"this node already subscribes to {topic}")
         request = SubscriptionRequest(topic, kind, md5, tcp_nodelay)
         subscription = Subscription(self.name, request, on_message, self._client, self._numbers, on_publisher)
         self._subscriptions[topic] = subscription
@@ -260,40 +260,41 @@ class RosNode:
             md5: the service type's md5 sum.
             request_type: type of its request, such as ``nav_msgs/GetMapRequest``.
             response_type: type of its response, such as ``nav_msgs/GetMapResponse``.
-            handler: answers a serialized request with a serialized response or a failure, at once or later.
+            handler: returns the serialized response to a serialized request, or a failure, at once or later.
 
         Raises:
-            ValueError: this node already serves it.
+            ValueError: this node already serves the service.
         """
         if self._tcpros.service(service) is not None:
-            raise ValueError(f"{service} is served already")
+            raise ValueError(f"this node already serves {service}")
         self._tcpros.serve(ServiceHeader(service, kind, md5, request_type, response_type), handler)
         self._registrar.add(Registration(RegistrationKind.SERVICE, service), _ignore_value)
 
     async def get_param(self, key: str) -> XmlRpcValue | CallFailed:
-        """Return the value of a parameter, or of a whole tree of parameters."""
+        """Return the value of a parameter or of a tree of parameters."""
         return await self._ask_master("getParam", key)
 
     def declare_param(self, key: str, value: XmlRpcValue) -> None:
-        """Set a parameter, or a whole tree of parameters, on this master and every later one.
+        """Set a parameter or a tree of parameters on this master and every later master.
 
-        It lasts as long as the node, and is set before all registrations; a second declaration replaces its value.
+        The parameter lasts as long as the node, and is set before all registrations. A second declaration replaces its
+        value.
         """
         self._registrar.declare(key, value)
 
     def subscribe_param(self, key: str, changed: ParamCallback) -> None:
-        """Subscribe to changes, made by other nodes, of a parameter or any parameter below it.
+        """Subscribe to changes of a parameter, or of any parameter below it, by other nodes.
 
         Args:
             key: global name.
-            changed: called with the key that was set, which is at or below the given key, and its value. An empty
+            changed: called with the changed key and its value. The changed key is the given key or below it. An empty
                 dictionary means that the key was deleted.
 
         Raises:
-            ValueError: this node already subscribes to it.
+            ValueError: this node already subscribes to the parameter.
         """
         if key in self._parameters:
-            raise ValueError(f"{key} is subscribed to already")
+            raise ValueError(f"this node already subscribes to {key}")
         self._parameters[key] = changed
         self._registrar.add(Registration(RegistrationKind.PARAMETER, key), _ignore_value)
 
@@ -337,7 +338,7 @@ class RosNode:
                 self._go(reason)
 
     def _go(self, reason: str) -> None:
-        # Otherwise, this node would register again and take its name back from the node that has it now.
+        # If the registrar continued, it would register this node again, and take the name from the other node.
         if self._registering is not None:
             self._registering.cancel()
         _log.warning("%s is asked to shut down: %s", self.name, reason)

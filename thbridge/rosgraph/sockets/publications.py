@@ -1,4 +1,4 @@
-"""Topics that a node publishes, and the queue of messages for each subscriber."""
+"""Topics that a node publishes, and a queue of messages for each subscriber."""
 
 from __future__ import annotations
 
@@ -15,19 +15,20 @@ from thbridge.rosgraph.wire.tcpros import frame
 _log = logging.getLogger(__name__)
 
 WAITING_LIMIT = 1 << 20
-"""Limit of the bytes queued for a subscriber, without the message being sent; newer messages are dropped above it. A
-single message may be longer.
+"""Maximum number of bytes in the queue for a subscriber, in addition to the message that is being sent. Above it, newer
+messages are dropped. A single message may be longer.
 """
 
 
 class SubscriberQueue:
     """Queue of messages for one subscriber.
 
-    The transport reports when the socket is full (`pause`) and when it is writable again (`resume`). In between,
-    messages wait here. All queues refer to the same bytes, so that no bytes are copied for slow subscribers.
+    The transport reports when the socket is full (`pause`) and when it is writable again (`resume`). Between these
+    reports, messages wait here. All queues refer to the same bytes, so that slow subscribers cost no copies.
     """
 
     def __init__(self, transport: Transport, topic: str, number: int, caller: str, address: str) -> None:
+        # The transport then reports every write that the socket does not accept at once.
         transport.set_write_buffer_limits(high=0)
         self._transport = transport
         self._topic = topic
@@ -42,40 +43,40 @@ class SubscriberQueue:
         self._paused = transport.get_write_buffer_size() > 0
 
     def write(self, message: bytes) -> bool:
-        """Send or queue a framed message; return False if it was dropped."""
+        """Send or queue a framed message. Return False if it was dropped."""
         if not self._paused:
             self._hand_over(message)
             return True
         if self._waiting and self._waiting_bytes + len(message) > WAITING_LIMIT:
             if not self._too_slow:
                 self._too_slow = True
-                _log.warning("%s reads %s too slowly; some of its messages are dropped", self._caller, self._topic)
+                _log.warning("%s reads %s too slowly; some messages are dropped", self._caller, self._topic)
             return False
         self._waiting.append(message)
         self._waiting_bytes += len(message)
         return True
 
     def pause(self) -> None:
-        """Store that the socket is full."""
+        """Note that the socket is full."""
         self._paused = True
 
     def resume(self) -> None:
-        """Store that the socket is writable again, and send queued messages."""
+        """Note that the socket is writable again, and send queued messages."""
         self._paused = False
-        while self._waiting and not self._paused:  # the transport may pause this queue again at each message
+        while self._waiting and not self._paused:  # The transport may pause this queue again at each message.
             message = self._waiting.popleft()
             self._waiting_bytes -= len(message)
             self._hand_over(message)
 
     def close(self) -> None:
-        """Close the connection after all queued messages are sent."""
+        """Send all queued messages, and then close the connection."""
         for message in self._waiting:
             self._hand_over(message)
         self._waiting.clear()
         self._transport.close()
 
     def connection(self) -> BusConnection:
-        """Return this connection for bus info."""
+        """Return the description of this connection for bus info."""
         ends = endpoints(self._transport)
         return BusConnection(self._number, self._caller, True, self._topic, ends, self._bytes, self._messages)
 
@@ -92,12 +93,12 @@ class SubscriberQueue:
 
 
 class Publication:
-    """Topic that this node publishes; made by `RosNode.advertise`.
+    """Topic that this node publishes. `RosNode.advertise` returns it.
 
     Attributes:
         topic: description of the topic.
-        dropped: number of messages dropped because of a full queue. A message counts once for each subscriber with a
-            full queue.
+        dropped: number of messages that were dropped because of a full queue. A message counts once for each
+            subscriber with a full queue.
     """
 
     def __init__(self, topic: TopicHeader) -> None:
@@ -116,7 +117,7 @@ class Publication:
         return sum(outlet.address == address for outlet in self._outlets)
 
     def publish(self, data: bytes) -> None:
-        """Send a serialized message to every subscriber; it never waits or fails."""
+        """Send a serialized message to every subscriber, without waiting. This never fails."""
         if not self._outlets and not self.topic.latched:
             return
         message = frame(data)
@@ -127,7 +128,7 @@ class Publication:
                 self.dropped += 1
 
     def add(self, outlet: SubscriberQueue) -> None:
-        """Add a subscriber; it gets the last message at once if the topic is latched."""
+        """Add a subscriber. If the topic is latched, the subscriber gets the last message at once."""
         self._outlets.append(outlet)
         if self._last is not None:
             outlet.write(self._last)
@@ -137,5 +138,5 @@ class Publication:
         self._outlets.remove(outlet)
 
     def connections(self) -> Iterable[BusConnection]:
-        """Return the subscribers' connections for bus info."""
+        """Return descriptions of the subscribers' connections for bus info."""
         return [outlet.connection() for outlet in self._outlets if outlet.open]

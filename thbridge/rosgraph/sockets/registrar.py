@@ -1,4 +1,4 @@
-"""Registration of a node with the master, repeated after each restart of the master."""
+"""Registration of a node with the master. It is repeated after each restart of the master."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ _HEARTBEAT = 1.0
 """Seconds between two checks of the master."""
 
 _FIRST_PAUSE = 0.1
-"""Seconds before a missing master is called again; the time doubles with each failure."""
+"""Seconds before the next call of a missing master. This time doubles at each failure."""
 
 _LAST_PAUSE = 2.0
 
 _REPORTED_MISSES = 2
-"""Number of consecutive calls without an answer after which the loss is reported. One call may get lost or come too
-early."""
+"""Number of consecutive calls without an answer after which the loss is reported. A single call may be lost, or may
+arrive before the master is ready."""
 
 _FAREWELL_SECONDS = 3.0
-"""Seconds for all calls that unregister the node."""
+"""Maximum time in seconds for all calls that remove the node's registrations."""
 
 _log = logging.getLogger(__name__)
 
 
 class RegistrationKind(Enum):
-    """Kind of a registration, as in the names of the master's methods."""
+    """Kind of a registration. The values are parts of the names of the master's methods."""
 
     PUBLISHER = "Publisher"
     SUBSCRIBER = "Subscriber"
@@ -69,7 +69,7 @@ class Registration:
     type: str = ""
 
     def register_call(self, at: NodeAddresses) -> tuple[str, tuple[str, ...]]:
-        """Return the master's method that makes this registration, and its arguments after the caller's name."""
+        """Return the master's method that adds this registration, and its arguments after the caller id."""
         match self.kind:
             case RegistrationKind.SERVICE:
                 return "registerService", (self.name, at.services, at.slave)
@@ -79,7 +79,7 @@ class Registration:
                 return f"register{self.kind.value}", (self.name, self.type, at.slave)
 
     def unregister_call(self, at: NodeAddresses) -> tuple[str, tuple[str, ...]]:
-        """Return the master's method that removes this registration, and its arguments after the caller's name."""
+        """Return the master's method that removes this registration, and its arguments after the caller id."""
         match self.kind:
             case RegistrationKind.SERVICE:
                 return "unregisterService", (self.name, at.services)
@@ -95,8 +95,8 @@ class MasterCallbacks:
 
     Attributes:
         lost: called when the master no longer answers.
-        found: called when all registrations with a new master, including the first one, are complete.
-        replaced: called when another node has our name; the registrar has then stopped.
+        found: called when all registrations with a new master are complete. The first master is also a new master.
+        replaced: called when another node has our name. The registrar has stopped then.
     """
 
     lost: Callable[[], None]
@@ -105,16 +105,16 @@ class MasterCallbacks:
 
 
 class Registrar:
-    """Registration of a node with the master, and again with a restarted master.
+    """Registrar of a node with the master. It registers the node again with a restarted master.
 
-    Each check looks up our own name. The answer shows if the master is gone, was restarted (even if quickly), or has
+    Each check looks up our own name. The answer shows whether the master is gone, was restarted (even quickly), or has
     given our name to another node.
 
     Args:
         client: client for calls to the master.
         master_uri: URI of the master, ``http://host:port``.
-        caller: the node's name.
-        callbacks: called on changes.
+        caller: name of the node.
+        callbacks: functions that are called at changes.
     """
 
     def __init__(self, client: XmlRpcClient, master_uri: str, caller: str, callbacks: MasterCallbacks) -> None:
@@ -133,13 +133,13 @@ class Registrar:
         self._complaints = WarnOnce(_log)
 
     def add(self, registration: Registration, registered: Callable[[XmlRpcValue], None]) -> None:
-        """Register with this and every later master; `registered` is called with each master's answer."""
+        """Add a registration with this and every later master. `registered` is called with each master's answer."""
         self._wanted[registration] = registered
         self._settled.clear()
         self._woken.set()
 
     def declare(self, key: str, value: XmlRpcValue) -> None:
-        """Set a parameter on this and every later master; it is deleted when the node leaves."""
+        """Set a parameter on this master and every later master. It is deleted when the node leaves."""
         self._parameters[key] = value
         self._unset[key] = None
         self._settled.clear()
@@ -150,7 +150,7 @@ class Registrar:
         await self._settled.wait()
 
     async def run(self, addresses: NodeAddresses) -> None:
-        """Keep everything registered until another node has our name."""
+        """Keep all registrations until another node has our name."""
         pause = _FIRST_PAUSE
         while True:
             self._woken.clear()
@@ -159,15 +159,18 @@ class Registrar:
                 case CallFailed():
                     self._miss(where)
                     pause = min(2 * pause, _LAST_PAUSE)
+                # Another node has registered under our name, so the master has removed our registrations.
                 case MethodResponse([1, _, str(uri)]) if uri != addresses.slave and self._registered:
                     self._callbacks.replaced()
                     return
                 case MethodResponse([1, _, str(uri)]) if uri == addresses.slave and self._reached:
                     await self._register(addresses)
                     pause = _HEARTBEAT
+                # The master has not answered for some time, but it was not restarted.
                 case MethodResponse([1, _, str(uri)]) if uri == addresses.slave:
                     await self._register_afresh(addresses, forgotten=False)
                     pause = _HEARTBEAT
+                # Usually the master does not know our name, because it is new or was restarted.
                 case _:
                     await self._register_afresh(addresses, forgotten=bool(self._registered))
                     pause = _HEARTBEAT
@@ -176,12 +179,12 @@ class Registrar:
                     await self._woken.wait()
 
     async def leave(self, addresses: NodeAddresses) -> None:
-        """Unregister everything, as long as the master answers."""
+        """Remove all registrations, as long as the master answers."""
         with suppress(TimeoutError):
             async with asyncio.timeout(_FAREWELL_SECONDS):
                 match await self._call("lookupNode", self._caller):
                     case MethodResponse([1, _, str(uri)]) if uri != addresses.slave:
-                        ours: Iterable[str] = ()  # another node with our name may have set them again
+                        ours: Iterable[str] = ()  # Another node with our name may have set the same parameters.
                     case _:
                         ours = self._parameters.keys() - self._unset.keys()
                 for key in ours:
@@ -193,7 +196,12 @@ class Registrar:
                         return
 
     async def _register_afresh(self, addresses: NodeAddresses, *, forgotten: bool) -> None:
-        """Register everything; if `forgotten`, the master was restarted and has lost an earlier registration."""
+        """Register everything.
+
+        Args:
+            addresses: URIs of the node.
+            forgotten: True if the master was restarted and has lost earlier registrations.
+        """
         news = not self._reached or bool(self._registered)
         self._registered.clear()
         self._unset = dict.fromkeys(self._parameters)
@@ -206,9 +214,9 @@ class Registrar:
             self._misses = 0
 
     async def _register(self, addresses: NodeAddresses) -> bool:
-        """Register what is not registered yet; return True if the master answered every call.
+        """Add all missing registrations. Return True if the master answered every call.
 
-        Parameters come first: a node that finds our node and then reads `/use_sim_time` must find it set.
+        Parameters are first, because a node that finds our node may then read `/use_sim_time`, and must find it set.
         """
         complete = True
         for key in list(self._unset):
@@ -220,7 +228,7 @@ class Registrar:
             outcome = value_of(self._master_uri, reply)
             if isinstance(outcome, CallFailed):
                 self._complaints.warn(f"the master does not accept {key}: {outcome.reason}")
-            if self._parameters[key] is value:  # otherwise it was declared again in the meantime
+            if self._parameters[key] is value:  # During the call, it may have been declared again with another value.
                 del self._unset[key]
         for registration in [each for each in self._wanted if each not in self._registered]:
             method, params = registration.register_call(addresses)

@@ -1,4 +1,4 @@
-"""Replies of ROS's XML-RPC methods, ``[code, message, value]``, as values or failures."""
+"""Conversion of the replies of ROS's XML-RPC methods, ``[code, message, value]``, to values or failures."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from thbridge.rosgraph.wire.xmlrpc import Fault, MethodResponse, XmlRpcValue
 
 
 def value_of(uri: str, reply: MethodResponse | Fault | CallFailed) -> XmlRpcValue | CallFailed:
-    """Return the value in a reply of the master or a node, or the failure."""
+    """Return the value in a reply of the master or a node. If the call failed, return the failure."""
     match reply:
         case MethodResponse([1, _, value]):
             return value

@@ -1,6 +1,6 @@
-"""Queue for services with answers that take milliseconds.
+"""Queue for services whose answers take milliseconds.
 
-It answers one request at a time, with other work in between.
+It answers one request at a time. Between two answers, the event loop does other work.
 """
 
 import asyncio
@@ -16,7 +16,7 @@ class RequestQueue:
         self._lock = asyncio.Lock()
 
     def wrap(self, handler: Callable[[bytes], ServiceAnswer]) -> ServiceHandler:
-        """Wrap a handler so that it is called in turn."""
+        """Return a handler that waits for its turn and then calls the given handler."""
 
         async def in_turn(request: bytes) -> ServiceAnswer:
             async with self._lock:

@@ -1,4 +1,4 @@
-"""Rosout node, which roscore runs together with the master: it republishes the logs of all nodes on one topic."""
+"""Rosout node, which republishes the logs of all nodes on one topic. roscore runs it together with the master."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ AGGREGATED = "/rosout_agg"
 
 
 def rosout_node(master_uri: str, host: str, admission: Admission = OWN_MACHINE) -> RosNode:
-    """Return a node, not started yet, that republishes ``/rosout`` as ``/rosout_agg``.
+    """Return a node that republishes ``/rosout`` as ``/rosout_agg``. The node is not started yet.
 
     A tool that shows logs then needs only one connection, instead of a connection to every node.
 
@@ -22,7 +22,7 @@ def rosout_node(master_uri: str, host: str, admission: Admission = OWN_MACHINE) 
 
     Args:
         master_uri: URI of the master.
-        host: address to listen on and to be called at.
+        host: address on which the node listens and at which other nodes call it.
         admission: decides by address which nodes are accepted.
     """
     log = plain_definition(LOG)

@@ -1,4 +1,4 @@
-"""Subscriptions of a node: connections to the publishers of a topic, renewed when they break."""
+"""Subscriptions of a node: connections to the publishers of a topic. Broken connections are opened again."""
 
 from __future__ import annotations
 
@@ -23,25 +23,24 @@ from thbridge.sockets.listening import check_room
 from thbridge.sockets.warn_once import WarnOnce
 
 PUBLISHER_LIMIT = 256
-"""Largest number of publishers of a topic to connect to; a hostile peer could report any number."""
+"""Maximum number of publishers of a topic to which the node connects. A hostile peer could report any number."""
 
 _CONNECTING_LIMIT = 32
-"""Largest number of publishers that are called or connected to at the same time."""
+"""Maximum number of publishers to which the node connects at the same time."""
 
 _SEGMENT = 16 * 1024
-"""Largest number of bytes with messages processed in one round of the event loop; the smallest messages have 4
-bytes."""
+"""Maximum number of bytes that are processed in one round of the event loop. The smallest messages have 4 bytes."""
 
 _FIRST_PAUSE = 0.25
-"""Seconds before the first reconnection; the time doubles with each connection that does not last."""
+"""Seconds before the first reconnection. This time doubles after each short connection."""
 
 _LAST_PAUSE = 8.0
 
 MessageCallback: TypeAlias = Callable[[bytes, str], None]
-"""Callback with a serialized message and the name of the node that published it."""
+"""Callback with a serialized message and the name of its publisher."""
 
 PublisherCallback: TypeAlias = Callable[[str, TopicHeader], None]
-"""Callback with the name of a publisher and its header of the topic, before its first message."""
+"""Callback with the name and the header of a publisher. It is called before the publisher's first message."""
 
 
 def ignore_publisher(publisher: str, topic: TopicHeader) -> None:
@@ -53,13 +52,13 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class SubscriptionRequest:
-    """Request of a subscription.
+    """Request for a subscription.
 
     Attributes:
         topic: global name.
-        kind: its type, or ``*``.
+        kind: type of its messages, or ``*``.
         md5: the type's md5 sum, or ``*``.
-        tcp_nodelay: True to ask publishers to send small messages at once.
+        tcp_nodelay: True to request that publishers send small messages at once.
     """
 
     topic: str
@@ -71,16 +70,16 @@ class SubscriptionRequest:
 class Subscription:
     """Subscription of a topic, with its publishers.
 
-    A publisher that the master no longer lists is not reconnected, but an open connection to it remains. After a
-    restart of the master its list is empty at first, while messages may still arrive.
+    If the master no longer lists a publisher, its open connection remains, but it is not opened again. The reason is
+    that the list of a restarted master is empty at first, although publishers still send messages.
 
     Args:
         caller: this node's name.
         request: topic and type.
-        on_message: called with each message; it must not raise.
+        on_message: called with each message. It must not raise.
         client: client for calls to publishers.
         numbers: numbers of connections, unique within the node.
-        on_publisher: called with each publisher that accepts; it must not raise.
+        on_publisher: called with each publisher that accepts the subscription. It must not raise.
     """
 
     def __init__(
@@ -108,7 +107,7 @@ class Subscription:
         """Set the current publishers of the topic."""
         if len(uris) > PUBLISHER_LIMIT:
             self._complaints.warn(
-                f"{self.request.topic} has more than {PUBLISHER_LIMIT} publishers; some are not connected"
+                f"{self.request.topic} has more than {PUBLISHER_LIMIT} publishers; some publishers are ignored"
             )
         self._named = dict.fromkeys(uris[:PUBLISHER_LIMIT])
         for uri in self._followed.keys() - self._named.keys() - self._listening.keys():
@@ -116,7 +115,7 @@ class Subscription:
         self._follow_named()
 
     def _follow_named(self) -> None:
-        """Follow listed publishers up to the limit; when one ends, another one is followed."""
+        """Connect to listed publishers up to the limit. When a connection ends, another publisher gets its place."""
         for uri in self._named:
             if len(self._followed) >= PUBLISHER_LIMIT:
                 break
@@ -130,7 +129,7 @@ class Subscription:
         self._follow_named()
 
     def connections(self) -> Iterable[BusConnection]:
-        """Return the open connections for bus info."""
+        """Return descriptions of the open connections for bus info."""
         return [each.connection(uri, self.request.topic) for uri, each in self._listening.items() if each.open]
 
     async def stop(self) -> None:
@@ -157,6 +156,7 @@ class Subscription:
                 _log.debug("not subscribed to %s at %s: %s", self.request.topic, uri, end.reason)
             await asyncio.sleep(pause)
             lasted = asyncio.get_running_loop().time() - began
+            # A publisher that closes each connection at once must not cause a flood of connections.
             pause = _FIRST_PAUSE if lasted > 2 * _LAST_PAUSE else min(2 * pause, _LAST_PAUSE)
 
     def _link(self) -> SubscriberLink:
@@ -173,7 +173,7 @@ class Subscription:
         return await listener.ended
 
     async def _connect(self, uri: str, listener: _Listener) -> LinkEnded | None:
-        """Connect to a publisher and wait for its header; return the reason of a failure."""
+        """Connect to a publisher and wait for its header. Return the reason of a failure, or None."""
         reply = await self._client.call(uri, "requestTopic", self._caller, self.request.topic, [[TRANSPORT]])
         offered = value_of(uri, reply)
         match offered:
@@ -189,14 +189,14 @@ class Subscription:
                 await asyncio.get_running_loop().create_connection(lambda: listener, host, port)
                 await asyncio.wait((listener.accepted, listener.ended), return_when=asyncio.FIRST_COMPLETED)
         except TimeoutError:
-            return LinkEnded("it does not answer in time")
-        except (OSError, OverflowError, UnicodeError) as error:  # the last two: an invalid port or host name
+            return LinkEnded(f"it does not answer within {HANDSHAKE_SECONDS:g} s")
+        except (OSError, OverflowError, UnicodeError) as error:  # The last two: invalid port or host name.
             return LinkEnded(reason_of(error) if isinstance(error, OSError) else str(error))
         return None
 
 
 class _Listener(asyncio.Protocol):
-    """Connection to one publisher; executes the events of its link."""
+    """Connection to one publisher. It executes the events of its link."""
 
     def __init__(
         self, link: SubscriberLink, on_message: MessageCallback, on_publisher: PublisherCallback, number: int
@@ -225,7 +225,7 @@ class _Listener(asyncio.Protocol):
         self._handle_some()
 
     def _handle_some(self) -> None:
-        """Process a part of the received bytes, so that a flood of messages leaves time for other work."""
+        """Process a part of the received bytes. So a flood of messages leaves time for other work."""
         transport = self._transport
         if transport is None or transport.is_closing() or not self._received:
             return
@@ -265,7 +265,7 @@ class _Listener(asyncio.Protocol):
             self._transport.abort()
 
     def connection(self, uri: str, topic: str) -> BusConnection:
-        """Return this connection, while it is open, for bus info."""
+        """Return the description of this connection for bus info, while it is open."""
         ends = endpoints(self._transport) if self._transport is not None else (0, "", 0, 0)
         return BusConnection(self._number, uri, False, topic, ends, self._bytes, self._messages)
 

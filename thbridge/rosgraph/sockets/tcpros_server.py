@@ -1,4 +1,4 @@
-"""TCPROS port of a node: connections of subscribers to its topics and of clients of its services."""
+"""TCPROS port of a node. Subscribers to its topics and clients of its services connect to it."""
 
 from __future__ import annotations
 
@@ -33,26 +33,27 @@ from thbridge.sockets.listening import ServerDoor
 from thbridge.sockets.warn_once import WarnOnce
 
 CONNECTION_LIMIT = 8192
-"""Largest number of connections of subscribers and clients.
+"""Maximum number of connections of subscribers and clients.
 
-One address has at most three quarters of them. This is enough for four recorders of all topics of 64 robots.
+One address may have at most three quarters of this number. This is enough for four recorders of all topics of 64
+robots.
 """
 _WEIGHT = 4
-"""Weight of this server when few file descriptors are shared; it is high, because a recorder has a connection for each
+"""Weight of this server if servers share few file descriptors. It is high, because a recorder has a connection for each
 topic."""
 
 TOPIC_LIMIT = 64
-"""Largest number of subscribers of one topic at one address; each costs a copy of every message."""
+"""Maximum number of subscribers of one topic at one address. Each subscriber costs a copy of every message."""
 
 _REQUESTS_AT_ONCE = 4
-"""Largest number of requests of a connection answered per round of the loop; one segment may contain tens of
-thousands."""
+"""Maximum number of requests of a connection that are answered in one round of the event loop. One segment may contain
+tens of thousands of requests."""
 
 ANSWERING_LIMIT = 64
-"""Largest number of pending requests; a client may disconnect and ask again before it has its answer."""
+"""Maximum number of pending requests. A client may disconnect and send its request again before it has its answer."""
 
 _FAREWELL_SECONDS = 1.0
-"""Seconds that all subscribers together have to read the last messages."""
+"""Seconds at the end in which all subscribers can read their last messages."""
 
 ServiceAnswer: TypeAlias = bytes | ServiceFailed
 ServiceHandler: TypeAlias = Callable[[bytes], ServiceAnswer | Awaitable[ServiceAnswer]]
@@ -84,7 +85,7 @@ class TcprosServer:
         self._services: dict[str, _Served] = {}
         self._connections: dict[_Inbound, None] = {}
         self._addresses: Counter[str] = Counter()
-        # Connections that may be closed for new ones, oldest first.
+        # New connections may replace these connections, the oldest first.
         self._silent: dict[_Inbound, None] = {}
         self._clients: dict[_Inbound, None] = {}
         self._one_gone = asyncio.Event()
@@ -126,12 +127,12 @@ class TcprosServer:
         self._services[service.name] = _Served(service, handler)
 
     def topic(self, name: str) -> TopicHeader | None:
-        """Return the topic of that name if it is published here."""
+        """Return the topic of this name if this node publishes it."""
         publication = self.publications.get(name)
         return publication.topic if publication else None
 
     def service(self, name: str) -> ServiceHeader | None:
-        """Return the service of that name if it is served here."""
+        """Return the service of this name if this node serves it."""
         served = self._services.get(name)
         return served.service if served else None
 
@@ -140,11 +141,12 @@ class TcprosServer:
         return [connection for each in self.publications.values() for connection in each.connections()]
 
     def admit(self, connection: _Inbound) -> bool:
-        """Accept a new connection if there is room, or if a connection that is not a subscriber's can be closed."""
+        """Accept a new connection. If there are too many, close one that is not a subscriber's, or reject it."""
         most = self._door.most
         crowded = self._addresses[connection.address] >= most * 3 // 4
         if crowded or len(self._connections) >= most:
-            self.complaints.warn(f"more than {most} connections, or three quarters of that from one address")
+            limits = f"{most} connections, and {most * 3 // 4} from one address"
+            self.complaints.warn(f"a connection is closed: the limits are {limits}")
             others = (*self._silent, *self._clients)
             ended = next((one for one in others if not crowded or one.address == connection.address), None)
             if ended is None:
@@ -157,7 +159,7 @@ class TcprosServer:
         return True
 
     def admit_subscriber(self, connection: _Inbound, topic: str) -> Publication | None:
-        """Return the topic that a connection subscribes to; None if its address has too many subscribers."""
+        """Return the topic to which a connection subscribes, or None if its address has too many subscribers."""
         publication = self.publications[topic]
         if publication.subscribers_at(connection.address) >= TOPIC_LIMIT:
             self.complaints.warn(f"{connection.address} subscribes to {topic} more than {TOPIC_LIMIT} times")
@@ -166,7 +168,7 @@ class TcprosServer:
         return publication
 
     def admit_client(self, connection: _Inbound) -> None:
-        """Store that a connection is a client's."""
+        """Note that a connection belongs to a client of a service."""
         if connection in self._silent:
             del self._silent[connection]
             self._clients[connection] = None
@@ -183,7 +185,7 @@ class TcprosServer:
         self._one_gone.set()
 
     def handle(self, service: str, request: bytes, respond: Callable[[ServiceAnswer], None]) -> ServiceAnswer | None:
-        """Answer a request: return the answer, or None if `respond` will be called with the answer later."""
+        """Answer a request. Return the answer, or None if `respond` will be called with the answer later."""
         try:
             answer = self._services[service].handler(request)
         except Exception:
@@ -200,7 +202,7 @@ class TcprosServer:
 
 
 class _Inbound(asyncio.Protocol):
-    """One connection; executes the events of its link."""
+    """One connection. It executes the events of its link."""
 
     def __init__(self, server: TcprosServer) -> None:
         self._server = server
@@ -214,10 +216,10 @@ class _Inbound(asyncio.Protocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
             return
-        self.address = str((transport.get_extra_info("peername") or ("",))[0])  # empty if the peer has left
+        self.address = str((transport.get_extra_info("peername") or ("",))[0])  # Empty if the peer has left.
         stranger = self._server.admission.refused(transport)
         if stranger is not None:
-            self._server.complaints.warn(f"{stranger} is not in a network of open_to, and is disconnected")
+            self._server.complaints.warn(f"a node at {stranger} is rejected: its address is in no network of open_to")
             transport.abort()
             return
         if not self._server.admit(self):
@@ -244,11 +246,11 @@ class _Inbound(asyncio.Protocol):
             self._timer.cancel()
         if self._publication is not None and self._outlet is not None:
             self._publication.remove(self._outlet)
-        # A pending handler continues, because it may have moved a robot already; its answer is discarded.
+        # A pending handler continues, because it may already have moved a robot. Its answer is discarded.
         self._transport = None
 
     def close(self) -> None:
-        """Close the connection after everything is sent."""
+        """Send all data, and then close the connection."""
         if self._outlet is not None:
             self._outlet.close()
         elif self._transport is not None:
@@ -270,7 +272,7 @@ class _Inbound(asyncio.Protocol):
         while waiting and self._transport is not None:
             requests += isinstance(waiting[0], ServiceRequested)
             if requests > _REQUESTS_AT_ONCE:
-                # Meanwhile the link has no further events, because it waits for the answer to this request.
+                # Until then, the link returns no further events, because it waits for the answer to this request.
                 asyncio.get_running_loop().call_soon(self._perform, waiting)
                 return
             match waiting.popleft():
@@ -293,7 +295,7 @@ class _Inbound(asyncio.Protocol):
                     if answer is not None:
                         waiting.extend(self._link.respond(answer))
                 case LinkRefused(reason):
-                    self._server.complaints.warn(f"a peer is refused: {reason}")
+                    self._server.complaints.warn(f"a peer is rejected: {reason}")
                     self._end(self._transport)
                 case LinkEnded(reason):
                     _log.debug("a connection ends: %s", reason)
@@ -319,5 +321,5 @@ async def _answer_in_time(
 
 
 def _broken(service: str) -> ServiceFailed:
-    _log.exception("service %s", service)
-    return ServiceFailed(f"{service} failed; its log says why")
+    _log.exception("the service %s failed", service)
+    return ServiceFailed(f"{service} failed; the log of its node shows the reason")

@@ -11,12 +11,12 @@ ANY_TYPE = "*"
 
 
 def is_global(name: str) -> bool:
-    """Return True for a name with its whole path, such as ``/robot1/odom``."""
+    """Return True for a global name: a complete path, such as ``/robot1/odom``."""
     return name.startswith("/")
 
 
 def is_private(name: str) -> bool:
-    """Return True for a name relative to its node, such as ``~rate``."""
+    """Return True for a private name, which is relative to its node, such as ``~rate``."""
     return name.startswith("~")
 
 
@@ -37,7 +37,7 @@ def namespace(name: str) -> str:
 
 
 def join(space: str, name: str) -> str:
-    """Return a name below a namespace; a global or private name is unchanged."""
+    """Return a name below a namespace. Global and private names do not change."""
     if is_global(name) or is_private(name) or not space:
         return name
     return space.removesuffix(SEPARATOR) + SEPARATOR + name
@@ -47,8 +47,8 @@ def resolve(name: str, node: str) -> str:
     """Resolve a name used by a node to the global name.
 
     Args:
-        name: name as the node uses it; the empty name is the node's namespace.
-        node: the node's own global name, its caller id.
+        name: name that the node uses. The empty name means the node's namespace.
+        node: the node's own global name (its caller id).
     """
     if not name:
         return namespace(node)

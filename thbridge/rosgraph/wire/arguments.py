@@ -2,7 +2,7 @@
 
 Source: ROS's rosmaster/validators.py, with the same order of checks and the same texts.
 
-Differs: names, types and URIs have a largest length.
+Differs: the length of names, types and URIs is limited.
 """
 
 from __future__ import annotations
@@ -11,21 +11,21 @@ from thbridge.rosgraph.values.names import ANY_TYPE, SEPARATOR, resolve
 from thbridge.rosgraph.wire.xmlrpc import XmlRpcValue
 
 LONGEST_NAME = 1024
-"""Largest number of characters of a name or a type."""
+"""Maximum number of characters of a name or a type."""
 
 LONGEST_URI = 256
-"""Largest number of characters of a URI; the URIs of all subscribers of a topic are sent at once."""
+"""Maximum number of characters of a URI. The URIs of all subscribers of a topic are sent in one message."""
 
 
 class InvalidArgumentError(Exception):
-    """Argument that the method does not accept; the text is for the caller."""
+    """Raised for an argument that the method does not accept. The text is for the caller."""
 
 
 def graph_name(value: XmlRpcValue, what: str, caller: str, root: bool = False) -> str:
-    """Return the global name of a node, topic or service; the root namespace is allowed if ``root`` is True."""
+    """Return the global name of a node, topic or service. If ``root``, the root namespace is allowed."""
     if not value or not isinstance(value, str):
         raise InvalidArgumentError(f"ERROR: parameter [{what}] must be a non-empty string")
-    if ":" in value or " " in value:  # probably a URI
+    if ":" in value or " " in value:  # The value is probably a URI.
         raise InvalidArgumentError(f"ERROR: parameter [{what}] contains illegal chars")
     if value == SEPARATOR and not root:
         raise InvalidArgumentError(f"ERROR: parameter [{what}] cannot be the global namespace")
@@ -40,7 +40,7 @@ def caller_id(value: XmlRpcValue) -> str:
 
 
 def subgraph(value: XmlRpcValue, caller: str) -> str:
-    """Return the global name of a namespace; empty for the whole graph."""
+    """Return the global name of a namespace, or an empty text for the complete graph."""
     if not isinstance(value, str):
         raise InvalidArgumentError("ERROR: parameter [subgraph] must be a string")
     return value and resolve(_short(value, "subgraph"), caller)
@@ -65,7 +65,7 @@ def topic_type(value: XmlRpcValue) -> str:
 
 
 def relative_key(value: XmlRpcValue) -> str:
-    """Return a parameter's name as the caller wrote it."""
+    """Return a parameter's name in the form that the caller used."""
     if not value:
         raise InvalidArgumentError("ERROR: parameter [key] must be specified and non-empty")
     if not isinstance(value, str):

@@ -1,4 +1,4 @@
-"""Accepting end of a TCPROS connection: a publisher or a service server."""
+"""Accepting end of a TCPROS connection, which is a publisher or the server of a service."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ class NodeOffers(Protocol):
     """Topics and services that a node offers."""
 
     def topic(self, name: str) -> TopicHeader | None:
-        """Return the topic of that name if this node publishes it."""
+        """Return the topic of this name if this node publishes it."""
 
     def service(self, name: str) -> ServiceHeader | None:
-        """Return the service of that name if this node serves it."""
+        """Return the service of this name if this node serves it."""
 
 
 class _Phase(Enum):
@@ -48,7 +48,7 @@ class _Phase(Enum):
 
 
 class InboundLink:
-    """Connection opened by another node to this node as publisher or service server.
+    """Connection that another node has opened to this node as a publisher or the server of a service.
 
     Args:
         caller: this node's name.
@@ -65,13 +65,13 @@ class InboundLink:
 
     @property
     def handshake_done(self) -> bool:
-        """True if the other side has sent its header."""
+        """True if the peer has sent its header."""
         return self._phase is not _Phase.HANDSHAKE
 
     def receive(self, data: bytes) -> list[InboundEvent]:
         """Process received bytes.
 
-        After the header, a subscriber's bytes are ignored, because subscribers send no messages.
+        Bytes of a subscriber after its header are ignored, because subscribers send no messages.
         """
         if self._phase is _Phase.DEAF:
             return []
@@ -91,8 +91,9 @@ class InboundLink:
         if self._phase is not _Phase.ANSWERING:
             return []
         sent: list[InboundEvent] = [SendToPeer(_encode_answer(answer))]
+        # By default, TCPROS uses a connection for one call of a service.
         if not self._persistent:
-            return sent + self._over(LinkEnded("the request is answered"))
+            return sent + self._over(LinkEnded("the request was answered"))
         self._phase = _Phase.IDLE
         return sent + self._next_request()
 
@@ -147,9 +148,9 @@ class InboundLink:
                 }
             )
         )
-        # ROS's tools send probe=1 to read a service's type without calling the service.
+        # ROS's tools send probe=1 to read a service's type without calling it.
         if fields.get("probe") == "1":
-            return [header, *self._over(LinkEnded("it wanted the header only"))]
+            return [header, *self._over(LinkEnded("it only requested the header"))]
         self._service = service
         self._persistent = fields.get("persistent", "").lower() in ("1", "true")
         self._phase = _Phase.IDLE

@@ -1,12 +1,12 @@
-"""TCPROS links: descriptions of topics and services, events of a link, and the comparison of two headers.
+"""TCPROS links: descriptions of topics and services, events of a link, comparison of two headers.
 
-A link gets received bytes and returns events, which must be executed in order. No bytes can make a link raise an
-exception, or store more than one frame. After `LinkRefused` or `LinkEnded`, a link ignores everything.
+A link receives bytes and returns events. The events must be executed in order. No bytes can cause a link to raise an
+exception, or to store more than one frame. After `LinkRefused` or `LinkEnded`, a link ignores all bytes.
 
 ===================  ======================================  ==========================================
 link                 role                                    sends first
 ===================  ======================================  ==========================================
-`InboundLink`        publisher or server, connected to       nothing: the caller's header decides
+`InboundLink`        publisher or server, called by a peer   nothing: it needs the caller's header
 `SubscriberLink`     subscriber, connects to a publisher     its header (`opening`)
 ===================  ======================================  ==========================================
 """
@@ -27,18 +27,18 @@ from thbridge.rosgraph.wire.tcpros import (
 )
 
 _QUOTED = 200
-"""Largest number of characters quoted from a peer's text."""
+"""Maximum number of characters that are quoted from a peer's text."""
 
 
 @dataclass(frozen=True, slots=True)
 class TopicHeader:
-    """Topic as in a publisher's connection header.
+    """Description of a topic in a publisher's connection header.
 
     Attributes:
         name: global name, such as ``/robot1/scan``.
         type: type, such as ``sensor_msgs/LaserScan``.
         md5: the type's md5 sum, 32 hexadecimal digits.
-        definition: the type's whole text, including nested types, as in bags.
+        definition: the type's complete text, including nested types, as in bags.
         latched: True if a new subscriber gets the last message at once.
     """
 
@@ -51,7 +51,7 @@ class TopicHeader:
 
 @dataclass(frozen=True, slots=True)
 class ServiceHeader:
-    """Service as in a server's connection header.
+    """Description of a service in a server's connection header.
 
     Attributes:
         name: global name, such as ``/static_map``.
@@ -81,18 +81,18 @@ class ServiceFailed:
 
 @dataclass(frozen=True, slots=True)
 class SendToPeer:
-    """Bytes to be sent to the other side."""
+    """Event: bytes must be sent to the peer."""
 
     data: bytes
 
 
 @dataclass(frozen=True, slots=True)
 class SubscriberAccepted:
-    """The other node has subscribed and expects messages.
+    """Event: the peer has subscribed and expects messages.
 
     Attributes:
-        topic: one of our topics.
-        caller: the other node's name.
+        topic: name of one of our topics.
+        caller: name of the peer.
     """
 
     topic: str
@@ -101,7 +101,7 @@ class SubscriberAccepted:
 
 @dataclass(frozen=True, slots=True)
 class ServiceRequested:
-    """Request of a client, to be answered by `InboundLink.respond`. No other request comes before the answer."""
+    """Event: a client requests a service. `InboundLink.respond` must answer. Before that, no other request follows."""
 
     service: str
     request: bytes
@@ -109,11 +109,11 @@ class ServiceRequested:
 
 @dataclass(frozen=True, slots=True)
 class PublisherAccepted:
-    """The publisher has accepted our subscription.
+    """Event: the publisher has accepted our subscription.
 
     Attributes:
-        caller: name of the publishing node; empty if its header has none.
-        topic: topic as in its header.
+        caller: name of the publisher. Empty if its header contains no name.
+        topic: description of the topic in its header.
     """
 
     caller: str
@@ -122,21 +122,21 @@ class PublisherAccepted:
 
 @dataclass(frozen=True, slots=True)
 class MessageReceived:
-    """Message of the topic."""
+    """Event: a message of the topic has arrived."""
 
     data: bytes
 
 
 @dataclass(frozen=True, slots=True)
 class LinkRefused:
-    """The two headers do not match. Close the link after everything is sent, and log a warning."""
+    """Event: the headers of both ends do not match. Log a warning, and close the link after all data are sent."""
 
     reason: str
 
 
 @dataclass(frozen=True, slots=True)
 class LinkEnded:
-    """The link is finished or broken. Close it after everything is sent."""
+    """Event: the link is finished or broken. Close it after all data are sent."""
 
     reason: str
 
@@ -146,17 +146,17 @@ SubscriberEvent: TypeAlias = PublisherAccepted | MessageReceived | LinkRefused |
 
 
 def take_header(buffer: FrameBuffer) -> HeaderFields | MalformedHeader | None:
-    """Return the header at the beginning of a connection; None while it is incomplete."""
+    """Return the header at the beginning of a connection, or None while it is incomplete."""
     body = buffer.take(HEADER_LIMIT)
     if body is None:
         return None
-    return MalformedHeader(f"it sends {body} for a header") if isinstance(body, OverlongFrame) else decode_header(body)
+    return MalformedHeader(f"its header is {body}") if isinstance(body, OverlongFrame) else decode_header(body)
 
 
 def objection(name: str, kind: str, md5: str, theirs: HeaderFields) -> str:
-    """Return the mismatch between a peer's header and our topic or service; empty if they match.
+    """Return the difference between a peer's header and our topic or service. Return an empty text if they match.
 
-    As in ROS, only the md5 sums decide, because the same message may have two names.
+    As in ROS, only the md5 sums are compared, because the same message may have two names.
 
     Args:
         name: name of the topic or service.
@@ -170,9 +170,9 @@ def objection(name: str, kind: str, md5: str, theirs: HeaderFields) -> str:
     if ANY in (md5, their_md5) or md5 == their_md5:
         return ""
     their_kind = quoted(theirs.get("type", "an unknown type"))
-    return f"{name} is {kind} with md5 sum {md5} here, and {their_kind} with md5 sum {quoted(their_md5)} there"
+    return f"{name} has md5 sum {md5} here ({kind}), but {quoted(their_md5)} at the peer ({their_kind})"
 
 
 def quoted(text: str) -> str:
-    """Return a peer's text in a form that is safe for logs: one line, not too long."""
+    """Return a peer's text in a form that is safe for logs: one line of limited length."""
     return "".join(letter if letter.isprintable() else "?" for letter in text[:_QUOTED])

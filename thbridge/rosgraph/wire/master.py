@@ -1,13 +1,13 @@
-"""ROS master as a state machine: it takes calls, and returns replies and notifications.
+"""ROS master as a state machine. Its inputs are calls. Its outputs are replies and notifications.
 
 It stores the registrations of publishers, subscribers and services, and the parameters. It does not transport messages.
 
-Source: http://wiki.ros.org/ROS/Master_API and ROS/Parameter_Server_API; ROS's rosmaster/master_api.py, from which
-status codes, texts and order of checks are taken.
+Source: http://wiki.ros.org/ROS/Master_API and ROS/Parameter_Server_API; ROS's rosmaster/master_api.py for status codes,
+texts and the order of checks.
 
-Differs: the number of nodes and registrations, the length of names and the size of all parameters have limits. Beyond a
-limit, a call is answered with an error status. A node that answers a parameter update with an error loses its
-subscription, as rosmaster intends. Caller ids are treated as global names.
+Differs: the number of nodes and registrations, the length of names and the size of all parameters have limits. Above a
+limit, the reply to a call is an error. A node that replies to a parameter update with an error loses its subscription,
+as rosmaster intends. Caller ids are treated as global names.
 """
 
 from __future__ import annotations
@@ -32,27 +32,27 @@ from thbridge.rosgraph.wire.registrations import MAX_REGISTRATIONS, ProviderKind
 from thbridge.rosgraph.wire.xmlrpc import MethodCall, XmlRpcValue
 
 ERROR, FAILURE, SUCCESS = -1, 0, 1
-"""Status codes: the caller's error, the master's error, success."""
+"""Status codes: error of the caller, error of the master, success."""
 
 _MAX_TYPES = 2 * MAX_REGISTRATIONS
 
 
 @dataclass(frozen=True, slots=True)
 class ApiReply:
-    """Reply of a method of the master or slave API: a status code, a sentence for people, a value."""
+    """Reply of a method of the master API or slave API: status code, sentence for people, value."""
 
     status: int
     message: str
     value: XmlRpcValue
 
     def as_value(self) -> XmlRpcValue:
-        """Return the list that is sent by XML-RPC."""
+        """Return the list that XML-RPC sends."""
         return [self.status, self.message, self.value]
 
 
 @dataclass(frozen=True, slots=True)
 class PublisherUpdate:
-    """Notification to a subscriber: the current publishers of a topic; ``api`` and ``publishers`` are slave URIs."""
+    """Notification of a topic's current publishers to a subscriber. ``api`` and ``publishers`` are slave URIs."""
 
     api: str
     topic: str
@@ -61,7 +61,7 @@ class PublisherUpdate:
 
 @dataclass(frozen=True, slots=True)
 class ParamUpdate:
-    """Notification of a parameter's value; ``key`` has a slash at its end; an empty dict means that it was deleted."""
+    """Notification of a parameter's value. ``key`` ends with a slash. An empty dict means that it was deleted."""
 
     api: str
     key: str
@@ -109,11 +109,11 @@ METHODS = frozenset(_VALUE_ON_ERROR)
 
 
 class ParameterServer:
-    """Parameters of a ROS graph; the subscriptions to them are registrations.
+    """Parameters of a ROS graph. Subscriptions to parameters are registrations.
 
     Args:
         registrations: registrations of all nodes.
-        notify: called with the notifications of subscribers.
+        notify: called with each notification to a subscriber.
     """
 
     def __init__(self, registrations: Registrations, notify: Callable[[ParamUpdate], None]) -> None:
@@ -133,7 +133,7 @@ class ParameterServer:
         return ApiReply(SUCCESS, f"parameter {key} set", 0)
 
     def get(self, key: str) -> ApiReply:
-        """Return a parameter, or a namespace."""
+        """Return the value of a parameter or a namespace."""
         try:
             return ApiReply(SUCCESS, f"Parameter [{key}]", self._tree.get(key))
         except KeyError:
@@ -164,7 +164,7 @@ class ParameterServer:
         return ApiReply(SUCCESS, "Parameter names", [*self._tree.names()])
 
     def subscribed(self, key: str) -> ApiReply:
-        """Return a parameter to its new subscriber; an empty dict if it is not set."""
+        """Return the value of a parameter to its new subscriber. If it is not set, return an empty dict."""
         value: XmlRpcValue = self._tree.get(key) if key in self._tree else {}
         return ApiReply(SUCCESS, f"Subscribed to parameter [{key}]", value)
 
@@ -208,7 +208,7 @@ class Master:
             call: one of `METHODS`.
 
         Returns:
-            The reply to the caller, and the notifications of other nodes, in order.
+            The reply to the caller, and the notifications to other nodes, in order.
 
         Raises:
             KeyError: the method is unknown.
@@ -229,11 +229,11 @@ class Master:
         return reply, [*self._notifications]
 
     def refuse_update(self, api: str, key: str) -> None:
-        """Remove a node's subscription to a parameter (with a slash at its end), because it refused an update."""
+        """Remove a node's subscription to a parameter after the node refused an update. The key ends with a slash."""
         self._registrations.unsubscribe_all(key, api)
 
     def _carry_out(self, method: str, caller: str, given: list[XmlRpcValue]) -> ApiReply:
-        # The patterns are the signatures of the API; arguments are checked from left to right.
+        # The patterns are the signatures of the API. Arguments are checked from left to right, like in rosmaster.
         match method, given:
             case "registerPublisher", [topic, type_, api]:
                 name = graph_name(topic, "topic", caller)
@@ -307,7 +307,7 @@ class Master:
         return ApiReply(SUCCESS, f"[{caller}] is not a known provider of [{key}]", 0)
 
     def _notify_subscribers(self, topic: str) -> list[str]:
-        """Notify all subscribers of a topic about its publishers; return the subscribers' URIs."""
+        """Notify all subscribers of a topic about its publishers, and return the subscribers' URIs."""
         publishers = tuple(self._registrations.apis(ProviderKind.PUBLISHER, topic))
         subscribers = self._registrations.apis(ProviderKind.SUBSCRIBER, topic)
         self._notifications += [PublisherUpdate(api, topic, publishers) for api in subscribers]
@@ -315,13 +315,15 @@ class Master:
 
     def _register_publisher(self, caller: str, topic: str, type_: str, api: str) -> ApiReply:
         self._register(ProviderKind.PUBLISHER, topic, caller, api)
+        # A type replaces an earlier type, but "any type" must not replace a known type.
         if type_ != ANY_TYPE or topic not in self._types:
             self._learn_type(topic, type_)
         subscribers = self._notify_subscribers(topic)
         return ApiReply(SUCCESS, f"Registered [{caller}] as publisher of [{topic}]", [*subscribers])
 
     def _learn_type(self, topic: str, type_: str) -> None:
-        # A topic's type is kept after its registrations end, up to twice as many types as there can be registrations.
+        # The type of a topic is kept after the end of its registrations. The number of types is limited, so types of
+        # topics without a registration are deleted when there are too many.
         if topic not in self._types and len(self._types) >= _MAX_TYPES:
             there = self._registrations.is_topic
             self._types = {name: kept for name, kept in self._types.items() if there(name)}

@@ -1,4 +1,4 @@
-"""Connecting end of a TCPROS connection: a subscriber."""
+"""Connecting end of a TCPROS connection, which is a subscriber."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class SubscriberLink:
         topic: global name.
         kind: the expected type, or `ANY`.
         md5: its md5 sum, or `ANY`.
-        tcp_nodelay: True to ask the publisher to send small messages at once.
+        tcp_nodelay: True to request that the publisher sends small messages at once.
     """
 
     def __init__(self, caller: str, topic: str, kind: str, md5: str, tcp_nodelay: bool = True) -> None:
@@ -53,11 +53,11 @@ class SubscriberLink:
         self._phase = _Phase.HANDSHAKE
 
     def opening(self) -> bytes:
-        """Return the header, to be sent once connected."""
+        """Return our header. The subscriber must send it first."""
         return encode_header(self._asked)
 
     def receive(self, data: bytes) -> list[SubscriberEvent]:
-        """Process received bytes of the publisher."""
+        """Process bytes from the publisher."""
         if self._phase is _Phase.OVER:
             return []
         self._buffer.feed(data)
@@ -82,12 +82,13 @@ class SubscriberLink:
         return event
 
     def _judge_header(self) -> PublisherAccepted | LinkRefused | LinkEnded | None:
-        """Return the acceptance if the publisher's header matches ours; None while it is incomplete."""
+        """Return the acceptance if the publisher's header matches our header. Return None while it is incomplete."""
         fields = take_header(self._buffer)
         if fields is None:
             return None
         if isinstance(fields, MalformedHeader):
             return LinkEnded(fields.reason)
+        # A publisher that refuses a subscription sends a header with this field.
         if "error" in fields:
             return LinkRefused(quoted(fields["error"]))
         topic, kind, md5 = self._asked["topic"], self._asked["type"], self._asked["md5sum"]

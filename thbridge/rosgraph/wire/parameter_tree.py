@@ -1,7 +1,7 @@
 """Parameter tree of a ROS master.
 
-Values are never changed in place: setting a value rebuilds the branch that leads to it. So a value that was
-returned, or is being sent to a subscriber, stays the same.
+Values are never changed in place. Setting a value builds new dicts along its path. So a value that was returned, or is
+being sent to a subscriber, does not change.
 
 Source: ROS's rosmaster/paramserver.py.
 """
@@ -16,16 +16,16 @@ from thbridge.rosgraph.values.names import SEPARATOR, is_global, is_private, joi
 from thbridge.rosgraph.wire.xmlrpc import MAX_BYTES, MAX_DEPTH, MAX_ELEMENTS, DateTime, XmlRpcValue
 
 _REPLY_DEPTH = 8
-"""Levels that a reply may add around a value: its list, and those of a multicall."""
+"""Maximum number of levels that a reply adds around a value: its own list, and the lists of a multicall."""
 
 MAX_VALUES = MAX_ELEMENTS // 4
-"""Largest number of values, including namespaces: as many as fit into one document, so that one call can return all."""
+"""Maximum number of values, including namespaces. All of them fit into one document, so one call can return them."""
 
 MAX_CHARACTERS = MAX_BYTES // 2
-"""Largest number of characters of all names and values together."""
+"""Maximum number of characters of all names and values together."""
 
 _Wanted: TypeAlias = dict[str, "_Wanted"]
-"""Subscribed keys below a namespace, as nested dicts of the parts of their names."""
+"""Subscribed keys below a namespace, as nested dicts. The keys of the dicts are the parts of their names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,10 +33,10 @@ class ParameterUpdate:
     """New value of a subscribed parameter.
 
     Args:
-        subscription: the subscribed key, with a slash at its end.
-        key: the changed key, at, below or above the subscribed one, with a slash at its end.
-        value: the new value; an empty dict after a deletion.
-        own: True if the node that made the change does not have to be notified.
+        subscription: the subscribed key. It ends with a slash.
+        key: the changed key. It is the subscribed key, or above or below it, and ends with a slash.
+        value: the new value. After a deletion, it is an empty dict.
+        own: True if the node that has made the change must not be notified.
     """
 
     subscription: str
@@ -47,7 +47,7 @@ class ParameterUpdate:
 
 @dataclass(frozen=True, slots=True)
 class _Measure:
-    """Number of values, including nested ones; number of their characters and those of names; number of levels."""
+    """Size of a value: number of values with nested values, number of characters with names, number of levels."""
 
     values: int
     characters: int
@@ -55,7 +55,7 @@ class _Measure:
 
 
 class ParameterTree:
-    """Parameters by their global names; a namespace is a dict of its contents."""
+    """Parameters by their global names. A namespace is a dict of its parameters and inner namespaces."""
 
     def __init__(self) -> None:
         self._root: dict[str, XmlRpcValue] = {}
@@ -82,11 +82,11 @@ class ParameterTree:
         return True
 
     def set(self, key: str, value: XmlRpcValue) -> None:
-        """Set a parameter, or a whole namespace at once; current values there are replaced.
+        """Set a parameter, or all parameters of a namespace. The present values are replaced.
 
         Raises:
-            ValueError: the root would not be a dict, or the tree would be too deep, too long or have too many values to
-                be sent.
+            ValueError: the root would not be a dict, or one document could not contain the tree, because of its depth,
+                its length or its number of values.
         """
         path = parts(key)
         measure = _measured(value)
@@ -123,7 +123,7 @@ class ParameterTree:
             if isinstance(there, dict) and part in there:
                 there = there[part]
                 continue
-            # The rest of the path is new; an existing value on the path becomes a namespace.
+            # The rest of the path is new. If there is a value on the path, it becomes a namespace.
             values += len(path) - at - 1
             characters += sum(map(len, path[at:]))
             if isinstance(there, dict):
@@ -136,12 +136,12 @@ class ParameterTree:
     def search(self, space: str, key: str) -> str | None:
         """Search for a parameter in a namespace, and then in each namespace that encloses it.
 
-        The first word of the key decides: if ``/robot1/map`` exists, a search for ``map/frame`` from ``/robot1/amcl``
-        finds ``/robot1/map/frame``, even if that parameter does not exist.
+        Only the first part of the key is searched. If ``/robot1/map`` exists, a search for ``map/frame`` from
+        ``/robot1/amcl`` finds ``/robot1/map/frame``, even if that parameter does not exist.
 
         Args:
-            space: a global name, usually the node's.
-            key: a relative key, or a global key to search one place only.
+            space: a global name, usually the name of the node.
+            key: a relative key. A global key is only searched as it is.
 
         Raises:
             ValueError: the key is empty or private, or the namespace is not global.
@@ -174,9 +174,9 @@ def updates(subscriptions: Iterable[str], key: str, value: XmlRpcValue) -> list[
     """Return the updates that a change causes for the subscribed keys.
 
     Args:
-        subscriptions: the subscribed keys, each with a slash at its end.
+        subscriptions: the subscribed keys. Each ends with a slash.
         key: the key that was set or deleted.
-        value: its new value; an empty dict after a deletion.
+        value: its new value. After a deletion, it is an empty dict.
     """
     changed = key.removesuffix(SEPARATOR) + SEPARATOR
     subscribed = dict.fromkeys(subscriptions)
@@ -199,7 +199,7 @@ def updates(subscriptions: Iterable[str], key: str, value: XmlRpcValue) -> list[
 
 
 def _branches(key: str, value: XmlRpcValue, wanted: _Wanted) -> Iterator[tuple[str, XmlRpcValue]]:
-    """Yield the wanted keys below a key, and the keys on the path to them, with their values, namespaces first."""
+    """Yield the wanted keys below a key, and all keys on the paths to them, with their values. Namespaces are first."""
     if isinstance(value, dict):
         for name, inner in value.items():
             if name in wanted:

@@ -1,4 +1,4 @@
-"""Registrations of publishers, subscribers and services: the graph from the master's view.
+"""Registrations of publishers, subscribers, services and parameters: the master's view of the graph.
 
 Source: ROS's rosmaster/registrations.py.
 """
@@ -12,10 +12,10 @@ from thbridge.rosgraph.wire.arguments import InvalidArgumentError
 from thbridge.rosgraph.wire.xmlrpc import XmlRpcValue
 
 MAX_NODES = 2048
-"""Largest number of nodes; each may have a socket here, and gets every change of a topic."""
+"""Maximum number of nodes. Each node may have a socket here, and the master notifies it of changes of its topics."""
 
 MAX_REGISTRATIONS = 32_768
-"""Largest number of registrations; a thousand nodes with five thousand topics have about twenty thousand."""
+"""Maximum number of registrations. A graph of 1000 nodes and 5000 topics has about 20,000."""
 
 
 class ProviderKind(Enum):
@@ -32,7 +32,7 @@ class Provider:
     """Node registered for a topic, a service or a parameter.
 
     Args:
-        node: its name, the caller id.
+        node: name of the node (its caller id).
         api: URI of its slave API, or of the service.
     """
 
@@ -51,14 +51,14 @@ class _Node:
 class Registrations:
     """Registrations of all nodes.
 
-    A service has one provider, the last one that registered; topics and parameters have any number. Topics keep the
-    order of their first registration.
+    A service has one provider, which is the last registered node. Topics and parameters have any number of providers.
+    Topics keep the order of their first registrations.
     """
 
     def __init__(self) -> None:
         self._nodes: dict[str, _Node] = {}
         self._count = 0
-        # Providers are the keys of a dict, used as an ordered set, because a topic may have thousands.
+        # The keys of the inner dicts are ordered sets of providers, because a topic may have thousands of providers.
         self._providers: dict[ProviderKind, dict[str, dict[Provider, None]]] = {kind: {} for kind in ProviderKind}
 
     def keys(self, kind: ProviderKind) -> list[str]:
@@ -78,12 +78,12 @@ class Registrations:
         return [provider.api for provider in self.providers(kind, key)]
 
     def api_of(self, node: str) -> str | None:
-        """Return the URI of a node's slave API; None if it has no registration."""
+        """Return the URI of a node's slave API, or None if the node has no registration."""
         known = self._nodes.get(node)
         return None if known is None else known.api
 
     def state(self, kind: ProviderKind) -> list[XmlRpcValue]:
-        """Return pairs of a key and the names of the nodes registered for it."""
+        """Return pairs of a key and the names of its registered nodes."""
         return [[key, [provider.node for provider in providers]] for key, providers in self._providers[kind].items()]
 
     def register(self, kind: ProviderKind, key: str, node: str, node_api: str, api: str | None = None) -> str | None:
@@ -94,22 +94,22 @@ class Registrations:
             key: the topic, service or parameter.
             node: the node's name.
             node_api: URI of its slave API.
-            api: URI of the service itself, for services.
+            api: URI of the service itself. None for other kinds.
 
         Returns:
-            The slave API of another node of the same name, which this node replaces; None if there is no such node. All
-            registrations of that node are removed.
+            The slave API of another node of the same name. This node replaces it, and all its registrations are
+            removed. None if there is no other node of the same name.
 
         Raises:
             InvalidArgumentError: there are already too many nodes or registrations.
         """
         known = self._nodes.get(node)
         if known is None and len(self._nodes) >= MAX_NODES:
-            raise InvalidArgumentError(f"ERROR: {MAX_NODES} nodes are registered, and no more are taken")
+            raise InvalidArgumentError(f"ERROR: {MAX_NODES} nodes are already registered, which is the limit")
         replaced = None if known is None or known.api == node_api else known.api
         is_new = known is None or (replaced is None and (kind, key) not in known.registered)
         if is_new and self._count >= MAX_REGISTRATIONS:
-            raise InvalidArgumentError(f"ERROR: there are {MAX_REGISTRATIONS} registrations, and no more are taken")
+            raise InvalidArgumentError(f"ERROR: there are {MAX_REGISTRATIONS} registrations, which is the limit")
         if known is not None and replaced is not None:
             self._forget(node, known)
         if known is None or replaced is not None:
@@ -123,7 +123,7 @@ class Registrations:
         return replaced
 
     def unregister(self, kind: ProviderKind, key: str, node: str, api: str) -> bool:
-        """Remove a registration; return False if it does not exist."""
+        """Remove a registration. Return False if it does not exist."""
         known = self._nodes.get(node)
         if known is None:
             return False
@@ -136,7 +136,7 @@ class Registrations:
         return found
 
     def unsubscribe_all(self, key: str, api: str) -> None:
-        """Remove the subscriptions to a parameter of all nodes at a slave API."""
+        """Remove the subscriptions to a parameter of all nodes with this slave API."""
         for provider in self.providers(ProviderKind.PARAMETER, key):
             if provider.api == api:
                 self.unregister(ProviderKind.PARAMETER, key, provider.node, api)

@@ -1,7 +1,7 @@
-"""Slave API: answers of a ROS node to the master, to other nodes and to tools.
+"""Slave API: a ROS node's answers to the master, to other nodes and to tools.
 
-Input is a call and the current description of the node. Output is the reply, ``[code, message, value]``, and the
-consequence for the node. Codes are ROS's: 1 done, 0 failed, -1 the caller's error.
+Inputs are a call and the current description of the node. Outputs are the reply, ``[code, message, value]``, and the
+consequence for the node. The codes are those of ROS: 1 for success, 0 for a failure, -1 for an error of the caller.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ TRANSPORT = "TCPROS"
 
 @dataclass(frozen=True, slots=True)
 class BusConnection:
-    """Open TCPROS connection of a topic, as in getBusInfo.
+    """Description of an open TCPROS connection of a topic for getBusInfo.
 
     Attributes:
-        id: number, unique within the node.
+        id: number of the connection, unique within the node.
         peer: name of the subscriber, or URI of the publisher.
         outgoing: True if this node publishes.
         topic: global name.
@@ -52,7 +52,7 @@ class NodeDescription:
         publications: type by topic.
         subscriptions: type by topic.
         parameters: subscribed keys.
-        connections: returns the open connections; there may be thousands.
+        connections: returns the open connections. There may be thousands.
     """
 
     name: str
@@ -80,8 +80,8 @@ class ParameterChanged:
 
     Attributes:
         key: global name, without a slash at its end.
-        value: the new value; an empty dictionary after a deletion.
-        wanted: subscribed keys of the node that are equal to it or above it.
+        value: the new value. After a deletion, it is an empty dictionary.
+        wanted: subscribed keys of the node that are equal to `key` or above it.
     """
 
     key: str
@@ -91,7 +91,7 @@ class ParameterChanged:
 
 @dataclass(frozen=True, slots=True)
 class ShutdownRequested:
-    """Request to end, from the master if another node has taken the name, or from ``rosnode kill``."""
+    """Request to end. It comes from the master if another node has taken the name, or from ``rosnode kill``."""
 
     reason: str
 
@@ -113,7 +113,7 @@ def answer_call(call: MethodCall, node: NodeDescription) -> SlaveReply:
     if method is None:
         return _wrong(f"there is no method {call.method}")
     if not call.params or not isinstance(call.params[0], str):
-        return _wrong("the first argument is the caller's name")
+        return _wrong("the first argument must be the caller's name")
     return method(node, call.params[1:])
 
 
@@ -126,8 +126,7 @@ def _wrong(message: str, value: XmlRpcValue = 0) -> SlaveReply:
 
 
 def _get_bus_stats(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
-    # As in rospy, which returns the number of messages for subscribers, although the specification does not have this
-    # number.
+    # The specification has no number of messages for subscribers, but rospy returns it. So this node does, too.
     by_topic: defaultdict[tuple[str, bool], list[BusConnection]] = defaultdict(list)
     for each in node.connections():
         by_topic[each.topic, each.outgoing].append(each)
@@ -163,7 +162,7 @@ def _param_update(node: NodeDescription, params: Sequence[XmlRpcValue]) -> Slave
             if not wanted:
                 return _wrong("not subscribed")
             return _done(0, "", ParameterChanged(key, value, wanted))
-    return _wrong("paramUpdate takes a key and a value")
+    return _wrong("paramUpdate requires a key and a value")
 
 
 def _publisher_update(node: NodeDescription, params: Sequence[XmlRpcValue]) -> SlaveReply:
@@ -172,7 +171,7 @@ def _publisher_update(node: NodeDescription, params: Sequence[XmlRpcValue]) -> S
             uris = tuple(each for each in publishers if isinstance(each, str))
             if len(uris) == len(publishers):
                 return _done(0, "", PublishersChanged(topic, uris))
-    return _wrong("publisherUpdate takes a topic and a list of URIs")
+    return _wrong("publisherUpdate requires a topic and a list of URIs")
 
 
 def _request_topic(node: NodeDescription, params: Sequence[XmlRpcValue]) -> SlaveReply:
@@ -184,7 +183,7 @@ def _request_topic(node: NodeDescription, params: Sequence[XmlRpcValue]) -> Slav
                 host, port = node.tcpros
                 return _done([TRANSPORT, host, port], f"ready on {host}:{port}")
             return SlaveReply([0, f"{TRANSPORT} is the only protocol here", []])
-    return _wrong("requestTopic takes a topic and a list of protocols", [])
+    return _wrong("requestTopic requires a topic and a list of protocols", [])
 
 
 _METHODS: Mapping[str, Callable[[NodeDescription, Sequence[XmlRpcValue]], SlaveReply]] = {

@@ -1,7 +1,8 @@
-"""TCPROS encoding: frames, and the header at the beginning of every connection.
+"""TCPROS encoding: frames, and the headers at the beginning of every connection.
 
-Everything is a frame: a length of 32 bits (little endian) and that number of bytes. The first frame of each side is its
-header. Its ``name=value`` fields are small frames themselves. Later frames are messages, requests or responses.
+All data are frames. A frame is a length of 32 bits (little endian), and this number of bytes. The first frame of each
+side is its header. A header consists of ``name=value`` fields, which are small frames. Later frames are messages,
+requests or responses.
 """
 
 from __future__ import annotations
@@ -12,23 +13,23 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 HEADER_LIMIT = 1 << 18
-"""Largest header that is read, in bytes. One of its fields is the whole definition of a message."""
+"""Maximum size of a header, bytes. One of its fields is the complete definition of a message."""
 
 BODY_LIMIT = 1 << 26
-"""Largest message or response that is read, in bytes: a map of 8000 x 8000 cells."""
+"""Maximum size of a message or response, bytes. This is enough for a map of 8000 x 8000 cells."""
 
 REQUEST_LIMIT = 1 << 18
-"""Largest request to one of our services that is read, in bytes."""
+"""Maximum size of a request to one of our services, bytes."""
 
 ANY = "*"
-"""Type or md5 sum that matches any other."""
+"""Type or md5 sum that matches any type or md5 sum."""
 
 HeaderFields: TypeAlias = dict[str, str]
 
 _LENGTH = struct.Struct("<I")
 
 LENGTH_BYTES = _LENGTH.size
-"""Size of a frame's length field, which precedes its body, in bytes."""
+"""Size in bytes of the length before the body of a frame."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +37,7 @@ class MalformedHeader:
     """Bytes that are not a header.
 
     Attributes:
-        reason: the problem, as a clause.
+        reason: reason, as a clause.
     """
 
     reason: str
@@ -44,10 +45,10 @@ class MalformedHeader:
 
 @dataclass(frozen=True, slots=True)
 class OverlongFrame:
-    """Frame longer than the limit.
+    """Frame that is longer than the limit.
 
     Attributes:
-        length: its length, bytes.
+        length: length of the frame, bytes.
         limit: the limit, bytes.
     """
 
@@ -55,24 +56,24 @@ class OverlongFrame:
     limit: int
 
     def __str__(self) -> str:
-        return f"a frame of {self.length} bytes, where {self.limit} is the limit"
+        return f"a frame of {self.length} bytes, above the limit of {self.limit}"
 
 
 def frame(body: bytes) -> bytes:
-    """Return a body with its length before it."""
+    """Return a frame: a body after its length."""
     return _LENGTH.pack(len(body)) + body
 
 
 def encode_header(fields: Mapping[str, str]) -> bytes:
-    """Encode a header with its own length; fields are sorted by name, as in ROS's tools."""
+    """Encode a header with its own length. Its fields are sorted by name, as in ROS's tools."""
     return frame(b"".join(frame(f"{name}={value}".encode()) for name, value in sorted(fields.items())))
 
 
 def decode_header(body: bytes) -> HeaderFields | MalformedHeader:
-    """Decode the fields of a header, given without its own length.
+    """Decode the fields of a header. The argument does not contain the header's own length.
 
-    If a field occurs twice, the last one counts, as in ROS. Characters that are not UTF-8 (some message definitions
-    have Latin-1 in a comment) become U+FFFD.
+    If a field occurs twice, the last one counts, as in ROS. Bytes that are not UTF-8 become U+FFFD, because some
+    message definitions contain Latin-1 in comments.
     """
     fields: HeaderFields = {}
     at = 0
@@ -82,7 +83,7 @@ def decode_header(body: bytes) -> HeaderFields | MalformedHeader:
         (length,) = _LENGTH.unpack_from(body, at)
         at += LENGTH_BYTES
         if length > len(body) - at:
-            return MalformedHeader("a field is longer than what is left of the header")
+            return MalformedHeader("a field is longer than the rest of the header")
         name, equals, value = body[at : at + length].partition(b"=")
         if not equals:
             return MalformedHeader("a field has no '='")
@@ -92,10 +93,10 @@ def decode_header(body: bytes) -> HeaderFields | MalformedHeader:
 
 
 class FrameBuffer:
-    """Splitter of a byte stream into frames; the stream may be cut into segments of any size.
+    """Splitter of a byte stream into frames. The stream may be cut into segments of any size.
 
-    If the caller takes all complete frames after each `feed`, it stores at most one frame within the limit of the next
-    `take`, and the segment that exceeded it.
+    If the caller takes all complete frames after each `feed`, the buffer stores at most one frame within the limit of
+    the next `take`, and the segment that exceeded this limit.
     """
 
     def __init__(self) -> None:
@@ -109,7 +110,10 @@ class FrameBuffer:
         self._held += data
 
     def take(self, limit: int) -> bytes | OverlongFrame | None:
-        """Take the next frame's body; None while it is incomplete. After `OverlongFrame`, the stream is unusable."""
+        """Take the body of the next frame. Return None while it is incomplete.
+
+        After an `OverlongFrame`, the stream cannot be used.
+        """
         if len(self._held) < LENGTH_BYTES:
             return None
         (length,) = _LENGTH.unpack_from(self._held)

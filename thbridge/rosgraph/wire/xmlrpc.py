@@ -1,8 +1,8 @@
-"""XML-RPC as in ROS 1: bytes to values and back, without sockets.
+"""XML-RPC as in ROS 1: conversion of bytes to values and back, without sockets.
 
-Input may be hostile. A document type is refused at its start, before any entity of it is declared. This prevents the
-billion laughs attack and external entities. Size, nesting and number of elements have limits. Invalid input gives a
-`MalformedDocument`; decoding never raises.
+Input may be hostile. A document type is refused at its start, before it declares any entity. This prevents the billion
+laughs attack and external entities. Size, nesting and number of elements have limits. The result of invalid input is a
+`MalformedDocument`. Decoding never raises.
 
 Source: http://xmlrpc.com/spec.md; Python's xmlrpc.client and ROS's xmlrpcpp for the forms that ROS nodes send: untyped
 ``<value>text</value>``, white space between elements, ``<i8>`` and ``<nil/>``.
@@ -17,28 +17,28 @@ from typing import TypeAlias
 from xml.parsers import expat
 
 MAX_BYTES = 16 * 2**20
-"""Largest document that is read or written, in bytes. A robot_description has about 100 kB."""
+"""Maximum size of a document, bytes. A robot_description has about 100 kB."""
 
 MAX_ELEMENTS = 250_000
-"""Largest number of XML elements of a document; a parameter takes about four."""
+"""Maximum number of XML elements in a document. A parameter needs about four."""
 
 MAX_DEPTH = 128
-"""Deepest nesting of values, read or written."""
+"""Maximum depth of nested values."""
 
 _LONGEST_FAULT = 10_000
-"""Largest number of characters of a fault's text."""
+"""Maximum number of characters in the text of a fault."""
 
 _TAGS = 32
-"""Approximate number of characters of a value's tags."""
+"""Approximate number of characters in the tags of a value."""
 
-_ELEMENTS_PER_LEVEL = 4  # value, struct, member, value; or value, array, data, value
+_ELEMENTS_PER_LEVEL = 4  # A level is value, struct, member, value; or value, array, data, value.
 _I4 = range(-(2**31), 2**31)
 _I8 = range(-(2**63), 2**63)
 
 
 @dataclass(frozen=True, slots=True)
 class DateTime:
-    """Value of type ``dateTime.iso8601``, not parsed: ROS does not use it, and XML-RPC gives it no time zone."""
+    """Value of type ``dateTime.iso8601``. It is not parsed, because ROS does not use it and it has no time zone."""
 
     text: str
 
@@ -46,7 +46,7 @@ class DateTime:
 XmlRpcValue: TypeAlias = (
     bool | int | float | str | bytes | DateTime | list["XmlRpcValue"] | dict[str, "XmlRpcValue"] | None
 )
-"""Any value of XML-RPC, with the extensions ``nil`` and ``i8``."""
+"""Any value of XML-RPC, including the extensions ``nil`` and ``i8``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ class MethodResponse:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """Failure of a call: an error of XML-RPC itself, not a status code of ROS."""
+    """Failure of a call as an error of XML-RPC itself, in contrast to a status code of ROS."""
 
     code: int
     text: str
@@ -74,13 +74,13 @@ class Fault:
 
 @dataclass(frozen=True, slots=True)
 class MalformedDocument:
-    """Document that could not be decoded, with the reason."""
+    """Document that could not be decoded. `reason` is a clause."""
 
     reason: str
 
 
 def written_size(value: XmlRpcValue, enough: int) -> int:
-    """Return the approximate number of characters of a value when written; counting stops at `enough`."""
+    """Return the approximate number of characters of an encoded value. Counting stops at `enough`."""
     size = 0
     waiting = [value]
     while waiting and size <= enough:
@@ -100,7 +100,7 @@ def encode_call(method: str, params: list[XmlRpcValue]) -> bytes:
     """Encode a call.
 
     Raises:
-        ValueError: a parameter cannot be written, see `encode_response`.
+        ValueError: a parameter cannot be encoded; see `encode_response`.
     """
     listed = "".join(f"<param>\n{_written(value)}\n</param>\n" for value in params)
     return _document(
@@ -111,17 +111,19 @@ def encode_call(method: str, params: list[XmlRpcValue]) -> bytes:
 def encode_response(value: XmlRpcValue) -> bytes:
     """Encode a successful response.
 
-    Integers beyond 32 bits become ``i8``, and None becomes ``nil``; Python nodes can read these, C++ nodes cannot.
+    Integers of more than 32 bits become ``i8``, and None becomes ``nil``. Python nodes can read these, but C++ nodes
+    cannot.
     Characters that XML cannot contain, such as NUL, become U+FFFD.
 
     Raises:
-        ValueError: an integer beyond 64 bits, values nested deeper than `MAX_DEPTH` or longer than `MAX_BYTES`.
+        ValueError: an integer has more than 64 bits, or values are nested deeper than `MAX_DEPTH` or longer than
+            `MAX_BYTES`.
     """
     return _document(f"<methodResponse>\n<params>\n<param>\n{_written(value)}\n</param>\n</params>\n</methodResponse>")
 
 
 def encode_fault(code: int, text: str) -> bytes:
-    """Encode a fault; a long text is cut."""
+    """Encode a fault. A long text is cut."""
     value = _written({"faultCode": code, "faultString": text[:_LONGEST_FAULT]})
     return _document(f"<methodResponse>\n<fault>\n{value}\n</fault>\n</methodResponse>")
 
@@ -144,7 +146,7 @@ def decode_response(data: bytes) -> MethodResponse | Fault | MalformedDocument:
             return _fault(_value(root.only_child("fault").only_child("value")))
         params = _params(root)
         if len(params) != 1:
-            return MalformedDocument(f"an answer holds one value, this one {len(params)}")
+            return MalformedDocument(f"an answer must contain one value, not {len(params)}")
         return MethodResponse(params[0])
     except _MalformedError as error:
         return MalformedDocument(str(error))
@@ -155,7 +157,7 @@ def _fault(value: XmlRpcValue) -> Fault | MalformedDocument:
         case {"faultCode": int(code), "faultString": str(text)}:
             return Fault(code, text)
         case _:
-            return MalformedDocument("a fault without code or text")
+            return MalformedDocument("a fault has no code or no text")
 
 
 # -- writing ----------------------------------------------------------------------------------------------------------
@@ -169,12 +171,12 @@ def _document(text: str) -> bytes:
 
 def _escaped(text: str) -> str:
     legal = text if text.isprintable() else _NOT_IN_XML.sub("\ufffd", text)
-    # A bare carriage return would be read as a line feed.
+    # XML readers convert a plain carriage return to a line feed.
     return legal.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace("\r", "&#13;")
 
 
 class _Pieces:
-    """Pieces of a document, with a limited total length, because a short call can request all parameters many times."""
+    """Pieces of a document of limited length. A short call may request all parameters many times."""
 
     def __init__(self) -> None:
         self._pieces: list[str] = []
@@ -235,7 +237,7 @@ def _write(value: XmlRpcValue, pieces: _Pieces, depth: int) -> None:
 
 
 class _MalformedError(Exception):
-    """Problem found by the parser's callbacks or the interpretation; it never leaves this module."""
+    """Raised for a fault in a document, by the parser's callbacks or the interpretation. Only this module sees it."""
 
 
 @dataclass(slots=True)
@@ -245,13 +247,13 @@ class _Element:
     text: list[str] = field(default_factory=list)
 
     def leaf(self) -> str:
-        """Return the text of an element that must contain nothing else."""
+        """Return the text of an element that must contain only text."""
         if self.children:
             raise _MalformedError(f"<{self.children[0].name}> inside <{self.name}>")
         return "".join(self.text)
 
     def branches(self, *names: str) -> list[_Element]:
-        """Return the children of an element that must contain only elements of these names."""
+        """Return the children of an element that must contain only elements with these names."""
         if any(not piece.isspace() for piece in self.text):
             raise _MalformedError(f"text inside <{self.name}>")
         for child in self.children:
@@ -262,7 +264,7 @@ class _Element:
     def only_child(self, name: str, others: tuple[str, ...] = ()) -> _Element:
         found = [child for child in self.branches(name, *others) if child.name == name]
         if len(found) != 1:
-            raise _MalformedError(f"<{self.name}> needs one <{name}>")
+            raise _MalformedError(f"<{self.name}> must contain one <{name}>")
         return found[0]
 
 
@@ -281,7 +283,7 @@ def _parsed(data: bytes, root: str) -> _Element:
             raise _MalformedError(f"more than {MAX_ELEMENTS} elements")
         if len(path) > _ELEMENTS_PER_LEVEL * MAX_DEPTH:
             raise _MalformedError("nested too deeply")
-        # Apache's extensions have the names ex:i8 and ex:nil.
+        # The names of Apache's extensions are ex:i8 and ex:nil.
         element = _Element(name.rpartition(":")[2])
         path[-1].children.append(element)
         path.append(element)
@@ -293,7 +295,7 @@ def _parsed(data: bytes, root: str) -> _Element:
         path[-1].text.append(data)
 
     def refuse(name: str, system: str | None, public: str | None, has_subset: bool) -> None:
-        raise _MalformedError("a document type, which XML-RPC has no use for")
+        raise _MalformedError("it declares a document type, which XML-RPC does not use")
 
     parser = expat.ParserCreate()
     parser.buffer_text = True
@@ -303,13 +305,13 @@ def _parsed(data: bytes, root: str) -> _Element:
     parser.StartDoctypeDeclHandler = refuse
     try:
         parser.Parse(data, True)
-    except (expat.ExpatError, LookupError, ValueError) as error:  # the last two: an unknown or wrong encoding
+    except (expat.ExpatError, LookupError, ValueError) as error:  # The last two: unknown or wrong encoding.
         raise _MalformedError(str(error)) from None
     return top.only_child(root)
 
 
 def _params(root: _Element) -> list[XmlRpcValue]:
-    """Return the parameters of a call or response; a call without parameters may omit ``<params>``."""
+    """Return the parameters of a call or response. A call without parameters may omit ``<params>``."""
     found = [child for child in root.children if child.name == "params"]
     if len(found) > 1:
         raise _MalformedError("more than one <params>")
@@ -320,9 +322,9 @@ def _value(element: _Element, depth: int = 0) -> XmlRpcValue:
     if depth >= MAX_DEPTH:
         raise _MalformedError("nested too deeply")
     if not element.children:
-        return element.leaf()  # untyped: a string, white space included
+        return element.leaf()  # A value without a type is a string, including its white space.
     if len(element.children) > 1 or any(not piece.isspace() for piece in element.text):
-        raise _MalformedError("<value> holds more than one thing")
+        raise _MalformedError("<value> must contain one element")
     typed = element.children[0]
     match typed.name:
         case "i4" | "int" | "i8" | "i1" | "i2":
@@ -344,7 +346,7 @@ def _value(element: _Element, depth: int = 0) -> XmlRpcValue:
         case "struct":
             return dict(_member(member, depth + 1) for member in typed.branches("member"))
         case name:
-            raise _MalformedError(f"<{name}> is no type of XML-RPC")
+            raise _MalformedError(f"<{name}> is not a type of XML-RPC")
 
 
 def _member(member: _Element, depth: int) -> tuple[str, XmlRpcValue]:
@@ -353,9 +355,9 @@ def _member(member: _Element, depth: int) -> tuple[str, XmlRpcValue]:
 
 
 def _integer(text: str) -> int:
-    # Twenty characters hold any 64-bit integer; for thousands of digits, Python would raise another exception.
+    # Twenty characters are enough for any 64-bit integer. For thousands of digits, Python would raise ValueError.
     if re.fullmatch(r"[+-]?[0-9]{1,20}", text.strip()) is None or (value := int(text)) not in _I8:
-        raise _MalformedError(f"{text[:30]!r} is no integer of 64 bits")
+        raise _MalformedError(f"{text[:30]!r} is not an integer of 64 bits")
     return value
 
 
@@ -366,20 +368,20 @@ def _boolean(text: str) -> bool:
         case "1":
             return True
         case other:
-            raise _MalformedError(f"{other[:30]!r} is no boolean")
+            raise _MalformedError(f"{other[:30]!r} is not a boolean")
 
 
 def _double(text: str) -> float:
     try:
-        if "_" in text:  # Python's separator of thousands
+        if "_" in text:  # Python accepts underscores between digits. XML-RPC does not.
             raise ValueError
         return float(text)
     except ValueError:
-        raise _MalformedError(f"{text[:30]!r} is no double") from None
+        raise _MalformedError(f"{text[:30]!r} is not a double") from None
 
 
 def _base64(text: str) -> bytes:
     try:
         return base64.b64decode("".join(text.split()), validate=True)
     except ValueError:
-        raise _MalformedError("base64 that is none") from None
+        raise _MalformedError("invalid base64") from None

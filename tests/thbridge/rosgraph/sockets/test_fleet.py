@@ -243,7 +243,7 @@ async def test_a_robot_whose_node_is_restarted_gets_its_goal_again_which_is_told
             assert len(reborn.goals) == 1
             assert reborn.goals != actor.goals
     told = [record.getMessage() for record in caplog.records]
-    assert told == ["robot 1: its navigation did not list its goal; the goal is sent again"]
+    assert told == ["robot 1: its navigation did not report its goal, so the goal is sent again"]
 
 
 @with_patience
@@ -312,7 +312,8 @@ async def test_what_only_a_simulation_can_do_is_left_and_told(caplog):
         fleet.step([PlaceRobot(0, Pose2(1.1, 2, 0)), PlaceRobot(0, Pose2(5, 5, 0))])
     told = [record.getMessage() for record in caplog.records]
     assert "real robots do not support Carry" in told
-    assert [line for line in told if "belongs at" in line] == ["robot 1 belongs at (5.00, 5.00): please move it there"]
+    asked = ["robot 1 is not at its start pose: please move it to (5.00, 5.00)"]
+    assert [line for line in told if "please" in line] == asked
 
 
 @with_patience
@@ -353,13 +354,13 @@ async def test_time_is_simulated_where_the_graph_says_so_and_it_is_told_when_tha
             ticking.publish(pack.clock(450))
             await eventually(lambda: fleet.now() == 10_000_000_000)
             assert passes(3) == []
-            assert passes(1) == ["/clock: silent, so time continues with this machine's clock"]
+            assert passes(1) == ["/clock: no messages; time continues with this machine's clock"]
             assert passes(60) == []
             before_ns = fleet.now()
             ticking.publish(pack.clock(4500))
             await eventually(lambda: fleet.now() > before_ns + 5_000_000_000)
             assert passes(0) == []
-            assert passes(1) == ["/clock: it is back"]
+            assert passes(1) == ["/clock: messages arrive again"]
         await clock.stop()
 
 
@@ -405,7 +406,7 @@ async def test_the_time_offset_of_odometry_changes_on_the_parameter_server_and_b
             await becomes(0.2, 1.2)
         assert await set_by_reconfigure(math.nan) == values_config([(offset, 0.2)])
         assert {record.getMessage() for record in caplog.records} == {
-            f"{OFFSET} keeps its value: it is a number from -10 to 10, not {wrong}"
+            f"{OFFSET} keeps its value: it must be a number from -10 to 10, not {wrong}"
             for wrong in ("11.0", "'soon'", "True", "nan")
         }
         await set_on_server(1)

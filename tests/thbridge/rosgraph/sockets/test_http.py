@@ -79,7 +79,7 @@ def test_calls_and_their_answers():
             assert await client.call(uri, "later", {"a": True}) == MethodResponse({"a": True})
             assert await client.call(uri, "refuse") == Fault(7, "not now")
             assert await client.call(uri, "unwritable") == Fault(
-                1, "the answer cannot be written: 9223372036854775808 does not fit into 64 bits"
+                1, "the answer cannot be encoded: 9223372036854775808 does not fit into 64 bits"
             )
             failed = await client.call(uri, "fail")
             assert isinstance(failed, Fault) and "oh" in failed.text

@@ -21,7 +21,7 @@ HEADER_V1 = struct.Struct("<6B")
 """Fields: magic, length of the payload, sequence, system, component, message."""
 
 HEADER_V2 = struct.Struct("<7BHB")
-"""Fields: magic, payload length, incompat flags, compat flags, sequence, system, component, message (16 bits, 8 bits)."""
+"""Fields: magic, payload length, incompat flags, compat flags, sequence, system, component, message (16 + 8 bits)."""
 
 LARGEST = HEADER_V2.size + 255 + CHECKSUM_SIZE + SIGNATURE_SIZE
 """Size of the longest frame in bytes."""
