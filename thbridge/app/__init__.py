@@ -1,1 +1,1 @@
-"""The composition root: builds every part of a session from one study, and runs it as a program."""
+"""Composition root, which builds all parts of a session from a study, and runs the session as a program."""

@@ -1,4 +1,4 @@
-"""Programs that run one role at a text server, in real time, until the role is done or stopped."""
+"""Programs that run one role at a text server in real time, until the role is finished or stopped."""
 
 import logging
 from collections.abc import Callable, Sequence
@@ -34,20 +34,20 @@ from thbridge.timing.pacer import Pacer
 _log = logging.getLogger(__name__)
 
 SIMR = "simr"
-"""Name, in recordings, of the program that runs only the robots."""
+"""Name in recordings of the program that runs only the robots."""
 
 
 class RoleRunner(Protocol):
-    """A role at a server of another process; it processes messages in the next tick."""
+    """Runner of a role at the server of another process. Messages are processed in the next tick."""
 
     def connected(self) -> None:
-        """Note that the server has (again) accepted the name."""
+        """Record that the server has accepted the role's name, for the first time or again."""
 
     def receive(self, message: TextMessage) -> None:
         """Accept a message to this role."""
 
     def step(self) -> Sequence[TextMessage]:
-        """Run one tick; return the role's messages."""
+        """Run one tick, and return the role's messages."""
 
 
 class SingleRole:
@@ -59,11 +59,11 @@ class SingleRole:
         self._messages: list[TextMessage] = []
 
     def connected(self) -> None:
-        """See `RoleRunner`, also for the next two methods."""
+        """Record that the server has accepted the name; see `RoleRunner`."""
         self._role.connected()
 
     def receive(self, message: TextMessage) -> None:
-        """Pass the message on with the next tick."""
+        """Pass a message to the role in the next tick."""
         self._messages.append(message)
 
     def step(self) -> Sequence[TextMessage]:
@@ -73,10 +73,10 @@ class SingleRole:
 
 
 class UnrecordedSimr:
-    """Runner of SimR while the participant may not be recorded yet; it asks the keeper for permission.
+    """Runner of SimR until the participant may be recorded; it asks the keeper for this permission.
 
     Attributes:
-        granted: True when the keeper has said that the participant may be recorded.
+        granted: True after the keeper has reported that the participant may be recorded.
     """
 
     def __init__(self, role: SimR) -> None:
@@ -91,7 +91,7 @@ class UnrecordedSimr:
         return self._role.rejection
 
     def connected(self) -> None:
-        """See `RoleRunner`, also for the next two methods."""
+        """Record that the server has accepted the name; see `RoleRunner`."""
         self._session.connected()
         self._ask = True
 
@@ -104,14 +104,14 @@ class UnrecordedSimr:
             self._session.receive(message)
 
     def step(self) -> Sequence[TextMessage]:
-        """Run one tick of SimR; ask the keeper each time the server has accepted the connection."""
+        """Run one tick of SimR. After each connection, also ask the keeper for permission."""
         asked, self._ask = self._ask, False
         said = self._session.step()
         return [*said, encode_notice(legacy.SIMR, KEEPER, ConsentQuery())] if asked else said
 
 
 class ProgramStatus:
-    """Log of a program's state at its server: connected, waiting, in a game, reconnected.
+    """Log of a program's state at a server: connected, waiting, in a game, reconnected.
 
     Args:
         client: the program's connection.
@@ -124,14 +124,14 @@ class ProgramStatus:
         self._game = 0
 
     def connected(self) -> None:
-        """Log that the server has accepted the name."""
+        """Log that the server has accepted the program's name."""
         again = " again" if self._was_connected else ""
         waits = "" if self._was_connected else "; waiting for the game"
         self._was_connected = True
         _log.warning("%s is connected%s to %s%s", self._client.name, again, self._client.address, waits)
 
     def heard(self, message: TextMessage) -> None:
-        """Log each game once, at the keeper's first notice of it."""
+        """Log each game once, at the keeper's first notice about this game."""
         if message.sender != KEEPER or not is_notice(message):
             return
         notice = parse_notice(message)
@@ -142,19 +142,19 @@ class ProgramStatus:
 
 
 _OF_GAMES = {kind_of(Orders), kind_of(HideRequest), kind_of(View)}
-"""Kinds of the notices that contain the number of the game."""
+"""Kinds of notices that contain the number of the game."""
 
 
 def exchange(
     runner: RoleRunner, client: TextClient, lost: Callable[[ConnectionLost], None], status: ProgramStatus | None = None
 ) -> None:
-    """Run one tick of a role at a server: pass the received messages to the role, and send the messages of the role.
+    """Run one tick of a role at a server: pass received messages to the role, and send messages of the role.
 
     Args:
         runner: runner of the role.
-        client: its connection, running.
-        lost: called with the reason when the connection is lost.
-        status: logs the state of the program. If None, nothing is logged.
+        client: running connection of the role.
+        lost: callback with the reason, called when the connection is lost.
+        status: log of the program's state. If None, nothing is logged.
     """
     for event in client.take():
         match event:
@@ -179,17 +179,17 @@ async def run_at_server(
     done: Callable[[], bool],
     lost: Callable[[ConnectionLost], None],
 ) -> bool:
-    """Run one role at a server until it is done or stopped; it reconnects automatically.
+    """Run one role at a server until the role is finished or stopped. The program reconnects automatically.
 
     Args:
         runner: runner of the role.
-        client: its connection, not running yet.
-        pacer: times the ticks.
-        done: called after every tick; returns True when the role is done.
-        lost: called with the reason when the connection is lost.
+        client: connection of the role, not running yet.
+        pacer: pacer of the ticks.
+        done: function that returns True if the role is finished; called after every tick.
+        lost: callback with the reason, called when the connection is lost.
 
     Returns:
-        True when the role is done, False when it was stopped.
+        True if the role is finished, False if it was stopped.
     """
 
     status = ProgramStatus(client)
@@ -210,13 +210,13 @@ class SimrOptions:
     Attributes:
         host: host of the text server.
         port: port of the text server.
-        token: identifies this run of the program.
+        token: unique text that identifies this run of the program.
         rate: simulated seconds per second.
-        bag: path of the recording; None for no recording.
-        graph: the ROS graph to take part in; None if there is none.
+        bag: path of the recording. If None, nothing is recorded.
+        graph: the ROS graph to join; None if there is none.
         watch: address of the watch server; None if there is none.
         foxglove: TCP port of this machine for Foxglove; None if there is none.
-        key: key to present to the text server; None if there is none.
+        key: key for the text server; None if no key is needed.
     """
 
     host: str
@@ -239,19 +239,19 @@ async def simr(
     """Run the robots' program until stopped.
 
     If the study asks for consent, nothing is recorded until the server reports that the participant has agreed. Until
-    then the robots run unrecorded. After that they start again, with graph and watch server.
+    then, the robots run without a recording. Afterward they start again, with graph and watch server.
 
     Args:
         setting: the study.
         options: options of the program.
-        lost: called with the reason when the connection is lost.
-        callbacks: callbacks for the results of starting graph and watch server.
+        lost: callback with the reason, called when the connection is lost.
+        callbacks: callbacks with the results of starting graph and watch server.
 
     Returns:
-        The keeper's reason for rejecting these robots, or None when stopped.
+        The reason why the keeper rejected these robots; None if the program was stopped.
 
     Raises:
-        BagNotWritten: the bag cannot be written; it is closed, and the program ends.
+        BagNotWritten: the bag cannot be written. It is closed, and the program ends.
     """
     rehearse(setting)
     if options.bag is not None and setting.consent is not None:
@@ -274,15 +274,17 @@ async def simr(
 
 
 async def await_consent(role: SimR, options: SimrOptions, lost: Callable[[ConnectionLost], None]) -> UnrecordedSimr:
-    """Run the robots unrecorded until the participant may be recorded, the robots are rejected, or the run is stopped.
+    """Run the robots without a recording until the participant may be recorded.
+
+    The run also ends if the keeper rejects the robots, or the program is stopped.
 
     Args:
         role: the robots' role.
         options: options of the program.
-        lost: called with the reason when the connection is lost.
+        lost: callback with the reason, called when the connection is lost.
 
     Returns:
-        The runner; its attributes show why it has ended.
+        The runner, whose attributes show why the run has ended.
     """
     _log.warning(CONSENT_SENTENCES[ConsentStatus.AWAITED])
     waiting = UnrecordedSimr(role)
@@ -315,19 +317,19 @@ async def tabui(
     shown: Callable[[View], None],
     key: ClientKey | None = None,
 ) -> View | None:
-    """Run the participant's program until the game is over, or until the participant has declined to take part.
+    """Run the participant's program until the game is over, or the participant has declined to take part.
 
     Args:
-        role: the participant.
+        role: the participant's role.
         host: host of the server.
         port: port of the server.
-        token: identifies this run of the program.
-        lost: called with the reason when the connection is lost.
-        shown: called with every new view.
-        key: key to present to the server; None if there is none.
+        token: unique text that identifies this run of the program.
+        lost: callback with the reason, called when the connection is lost.
+        shown: callback with each new view.
+        key: key for the server; None if no key is needed.
 
     Returns:
-        The last view; its game is over unless the participant declined. None when stopped.
+        The last view, in which the game is over or the participant has declined. None if the program was stopped.
     """
     last: View | None = None
     role.run = token
@@ -345,9 +347,9 @@ async def tabui(
 
 
 def reason_of(lost: ConnectionLost) -> str:
-    """Return the reason why there is no connection, for people."""
+    """Return the reason why there is no connection, in words for people."""
     if lost.reason is LossReason.REFUSED and lost.detail:
-        return f"the server refuses: {lost.detail}; trying again"
+        return f"the server refused the connection: {lost.detail}; trying again"
     if lost.reason is LossReason.REFUSED:
-        return "another program holds this name at the server; waiting until it is free"
+        return "another program uses this name at the server; waiting until the name is free"
     return f"{lost.reason.value}; trying again" + (f" ({lost.detail})" if lost.detail else "")

@@ -12,24 +12,24 @@ _log = logging.getLogger(__name__)
 
 
 MOST_KEPT = 1000
-"""Largest number of different troubles that are counted; after that the counting restarts."""
+"""Largest number of different problems that are counted. When there are more, counting restarts."""
 
 
 class TroubleLog:
-    """Log of troubles. A repeated trouble is logged again only at the 10th, 100th, ... time."""
+    """Log of problems. A problem is logged when it occurs for the 1st, 10th, 100th, ... time."""
 
     def __init__(self) -> None:
-        # Number of times by program or robot, and by sentence.
+        # Number of occurrences of each problem, by program or robot, and by sentence.
         self._times: Counter[tuple[str, str]] = Counter()
 
     def note(self, refusals: Iterable[ProgramRefusal], utterances: Iterable[DialogueUtterance] = ()) -> None:
-        """Log the refusals of a tick, and the faults of strategies in its utterances."""
+        """Log the refusals of a tick, and the faults of strategies that the tick's utterances contain."""
         for refusal in refusals:
             self._count((refusal.program, refusal.refused.sentence), str(refusal))
         for said in utterances:
             if said.fault:
                 name = robot_name(said.topic.robot)
-                sentence = f"{name} chose a move by its own strategy, because that of the study failed: {said.fault}"
+                sentence = f"{name} chose a move by its own strategy, because the study's strategy failed: {said.fault}"
                 self._count((name, said.fault), sentence)
 
     def _count(self, key: tuple[str, str], sentence: str) -> None:

@@ -52,7 +52,7 @@ def test_a_fault_names_file_line_key_and_remedy(
 
 
 def test_prices_of_another_map_are_warned_of() -> None:
-    with pytest.warns(api.HuntWarning, match="this file prices the moves on the map office, but is for the map arena8"):
+    with pytest.warns(api.HuntWarning, match="on the map office come from this file for the map arena8"):
         api.HuntStudy(map="office", game={"costs": "original-2016"})
 
 

@@ -176,7 +176,7 @@ def mine(tmp_path: Path) -> Path:
 def test_another_map_with_the_name_of_ours_is_not_priced_as_ours(mine: Path, tmp_path: Path) -> None:
     mine.rename(tmp_path / "arena8")
     with pytest.raises(
-        BadFile, match="its costs are for the program's map arena8, and the map of the study is another"
+        BadFile, match="its costs are for the built-in map arena8, but the study has another map of this name"
     ):
         read_setting(Study(map="./arena8", templates="original-2016"), tmp_path)
 
@@ -190,7 +190,7 @@ def test_a_copy_of_our_map_is_priced_as_ours(tmp_path: Path) -> None:
 def test_prices_that_are_named_for_another_map_are_used_with_a_warning(mine: Path, tmp_path: Path) -> None:
     setting = read_setting(Study(map=f"./{mine.name}", game=GameSection(costs=Path("original-2016"))), tmp_path)
     (doubt,) = setting.doubts
-    assert "this file prices the moves on the map mine, but is for the map arena8" in str(doubt)
+    assert "the costs of moves on the map mine come from this file for the map arena8" in str(doubt)
 
 
 def test_times_of_another_map_copied_into_a_map_are_used_with_a_warning(mine: Path, tmp_path: Path) -> None:
@@ -212,7 +212,7 @@ def test_a_set_that_names_no_map_has_prices_for_any_with_a_warning(tmp_path: Pat
     setting = read_setting(Study(map="./mine", templates="./set"), tmp_path)
     assert setting.costs.rows[0][1:4] == OF_2016
     (doubt,) = setting.doubts
-    assert "set.yaml does not say for which map it is. Write `map: mine` into set.yaml" in str(doubt)
+    assert "set.yaml does not name the file's map. If the file is for this map, write `map: mine` into" in str(doubt)
 
 
 def test_dialogue_games_of_a_study_are_checked_before_anything_starts(tmp_path: Path) -> None:

@@ -33,7 +33,7 @@ def test_every_combination_of_levels_is_a_condition_and_its_study_is_that_of_wit
 
 def test_prices_of_another_map_are_a_doubt_once_for_all_conditions(tmp_path: Path) -> None:
     (doubt,) = design(tmp_path, "base: {map: office, game.costs: original-2016}\nfactors: {robots: [1, 2]}\n").doubts
-    assert "this file prices the moves on the map office, but is for the map arena8" in str(doubt)
+    assert "the costs of moves on the map office come from this file for the map arena8" in str(doubt)
 
 
 def test_a_study_file_the_designs_own_keys_and_conditions_lie_over_each_other(tmp_path: Path) -> None:

@@ -89,7 +89,7 @@ def test_a_sound_study_has_neither_faults_nor_advice(tmp_path: Path) -> None:
 def test_prices_of_another_map_are_advised_against(tmp_path: Path) -> None:
     text = replaced("base: {", "base: {map: office, game.costs: original-2016, ")
     design, _ = check_experiment(folder_of(tmp_path, text), VERSIONS)
-    assert "this file prices the moves on the map office, but is for the map arena8" in "".join(advice_on(design))
+    assert "the costs of moves on the map office come from this file for the map arena8" in "".join(advice_on(design))
 
 
 # Languages

@@ -1,1 +1,1 @@
-"""The composition root: builds every part of a session from one study. Other modules get their parts as arguments."""
+"""Composition root, which builds all parts of a session from a study. All other modules get parts as arguments."""

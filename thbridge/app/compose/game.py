@@ -35,7 +35,7 @@ from thbridge.study.study_file import DialogueSection, MannerSection, Study
 
 
 def build_keeper(setting: StudySetting, history: tuple[JournalEntry, ...] = (), last_game: int = 0) -> Keeper:
-    """Return the keeper; see `Keeper` for the arguments of a resumed game."""
+    """Return the keeper; `Keeper` describes the arguments for a resumed game."""
     study, words = setting.study, setting.set_words
 
     def engine(number: int) -> DialogueEngine:
@@ -70,13 +70,13 @@ def build_keeper(setting: StudySetting, history: tuple[JournalEntry, ...] = (), 
 
 
 def game_rules(study: Study) -> GameRules:
-    """Return the rules of the game that a study sets."""
+    """Return the rules of a study's game."""
     game = study.game
     return GameRules(study.seed, game.energy, game.picture_cost, game.identify_cost, game.wrong_share)
 
 
 def _with_words(language: Language, templates: TemplateSet, words: SetWords) -> Language:
-    """Return a language that takes the names of treasures and the values of properties from a template set."""
+    """Return a language with the names of treasures and the values of properties from a template set."""
     names = dict(words.names)
     for written, said in zip(templates.properties, words.properties, strict=True):
         names |= {written.phrase(value): said.phrase(value) for value in values_of(written, templates.kinds)}
@@ -85,7 +85,7 @@ def _with_words(language: Language, templates: TemplateSet, words: SetWords) -> 
 
 
 def manners_of(section: DialogueSection) -> dict[int | None, Manner]:
-    """Return the manners of robots by index. The key None has the manner of all robots that do not have their own."""
+    """Return the manners of robots by index. The key None stands for all robots without a separate manner."""
 
     def manner(of: MannerSection) -> Manner:
         return Manner(section.condition, of.attitude, of.persistence, of.talkative, of.gives_reasons, of.misheard)
@@ -94,7 +94,7 @@ def manners_of(section: DialogueSection) -> dict[int | None, Manner]:
 
 
 def build_briefing(setting: StudySetting) -> Briefing:
-    """Return the briefing of participants."""
+    """Return the briefing of the participant."""
     words, shows = setting.set_words, setting.study.participant.shows
     treasures = sorted(treasure_names(setting), key=lambda name: _alphabetical(words.names.get(name, name)))
     worth = {name: {kind.points for kind in setting.templates.kinds if kind.name == name} for name in treasures}
@@ -117,21 +117,21 @@ def build_briefing(setting: StudySetting) -> Briefing:
 
 
 def _alphabetical(word: str) -> str:
-    """Return the sort key of a word; letters with accents sort like letters without accents."""
+    """Return the sort key of a word, in which letters with accents are like letters without accents."""
     return unicodedata.normalize("NFKD", word).casefold()
 
 
 def build_floor_plan(setting: StudySetting) -> FloorPlan:
-    """Return the map as participants see it, with the names of rooms in their language."""
+    """Return the map that participants see, with the names of rooms in the participant's language."""
     place, names = setting.map, setting.room_names
-    # A name that only repeats the number, in any language, is left out.
+    # Names that only repeat the number of the room, in any language, are omitted.
     called = {number: name for number, name in names.named.items() if name != setting.texts.room(number)}
     rooms = (replace(outline, name=called.get(outline.room, "")) for outline in room_outlines(setting))
     return floor_plan_of(place.name, place.grid, tuple(rooms), setting.study.world.footprint)
 
 
 def room_outlines(setting: StudySetting) -> tuple[RoomOutline, ...]:
-    """Return the rooms of the map with the map's own names for them."""
+    """Return the rooms of the map, with the names that the map contains."""
     return tuple(
         RoomOutline(entry.room.people, entry.name, entry.region, (entry.goal.x, entry.goal.y, entry.goal.theta))
         for entry in setting.map.rooms
@@ -149,23 +149,23 @@ def known_treasures(templates: TemplateSet) -> tuple[TreasureKind, ...]:
 
 
 def knowledge_of(templates: TemplateSet) -> TreasureKnowledge:
-    """Return the knowledge of a simulated participant, who recognizes pictures as a person does."""
+    """Return the knowledge of a simulated participant, which includes the treasures in all pictures."""
     shown_by = {kind.image: kind.name for kind in templates.kinds if kind.image is not None}
     return TreasureKnowledge(known_treasures(templates), shown_by)
 
 
 def build_hider(templates: TemplateSet, seed: int) -> Hider:
-    """Return the treasures' role."""
+    """Return the role that hides the treasures."""
     return Hider(templates.kinds, seed, templates.rooms, templates.properties)
 
 
 def build_bot(
     templates: TemplateSet, strategy: str, seed: int, attitude: Attitude = Attitude.CREDULOUS
 ) -> Bot | InstalledParticipant:
-    """Return the simulated participant with a built-in strategy, or the installed participant of this name.
+    """Return the simulated participant with a built-in strategy, or the installed participant, with this name.
 
     Raises:
-        BadFile: there is no participant of this name; see `installed_participant`.
+        BadFile: there is no participant with this name; see `installed_participant`.
     """
     knowledge = knowledge_of(templates)
     if strategy in set(BotStrategy):

@@ -1,4 +1,4 @@
-"""Plug-ins that a study names, loaded, checked and watched; see `thbridge.files.plugins`."""
+"""Plug-ins that a study names. This module loads, checks and watches them; see `thbridge.files.plugins`."""
 
 import logging
 from collections.abc import Callable, Sequence
@@ -32,13 +32,13 @@ PATIENCE = 2.0
 
 @dataclass(frozen=True, slots=True)
 class WatchedStrategy:
-    """Strategy of a lab. The log has a warning when a game waits for it; the moves do not depend on the waiting time.
+    """Strategy of a lab. A warning is logged if a game waits for a move; moves do not depend on the duration.
 
     Attributes:
         name: name of the strategy.
         factory: factory of the strategy.
-        manner: as for `StrategyFactory`.
-        seed: as for `StrategyFactory`.
+        manner: manner of the robot, as in `StrategyFactory`.
+        seed: random seed, as in `StrategyFactory`.
     """
 
     name: str
@@ -49,7 +49,7 @@ class WatchedStrategy:
     def choose(self, conversation: Conversation, number: int) -> DialogueMove:
         """Return the strategy's move; see `GameStrategy`."""
         warning = (
-            f"the strategy {self.name} needs more than {PATIENCE:g} s to choose a move; the game is waiting for it"
+            f"the strategy {self.name} needs more than {PATIENCE:g} s to choose a move; meanwhile, the game waits"
         )
         with told_if_slow(PATIENCE, lambda: _log.warning(warning)), printing_aside():
             return self.factory(self.manner, self.seed).choose(conversation, number)
@@ -61,9 +61,9 @@ class ImpatientStrategy:
 
     Attributes:
         factory: factory of the strategy.
-        caller: calls it, with the timeout.
-        manner: as for `StrategyFactory`.
-        seed: as for `StrategyFactory`.
+        caller: caller with the timeout.
+        manner: manner of the robot, as in `StrategyFactory`.
+        seed: random seed, as in `StrategyFactory`.
     """
 
     factory: StrategyFactory
@@ -72,7 +72,7 @@ class ImpatientStrategy:
     seed: int
 
     def choose(self, conversation: Conversation, number: int) -> DialogueMove:
-        """Return the strategy's move; see `GameStrategy`. Raises TimeoutError after the timeout."""
+        """Return the strategy's move; see `GameStrategy`. Raises TimeoutError: the call took too long."""
         with printing_aside():
             return self.caller.call(lambda: self.factory(self.manner, self.seed).choose(conversation, number))
 
@@ -81,10 +81,10 @@ def installed_author(name: str) -> "WordingAuthor":
     """Return the author of wordings with this name.
 
     Raises:
-        BadFile: no author of this name is installed, or it cannot be imported or called.
+        BadFile: no author with this name is installed, or the author cannot be imported or called.
     """
     author: WordingAuthor = WORDINGS.load(name)
-    warning = f"the author {name} needs more than {PATIENCE:g} s for a sentence; the game is waiting for it"
+    warning = f"the author {name} needs more than {PATIENCE:g} s for a sentence; meanwhile, the game waits"
 
     def watched(request: "WordingRequest", /) -> str | None:
         with told_if_slow(PATIENCE, lambda: _log.warning(warning)), printing_aside():
@@ -94,10 +94,12 @@ def installed_author(name: str) -> "WordingAuthor":
 
 
 def impatient_author(name: str, seconds: float) -> "WordingAuthor":
-    """Return the author of wordings with this name, for trials; after `seconds` of wall time it raises TimeoutError.
+    """Return the author of wordings with this name, for trials.
+
+    The author raises TimeoutError after `seconds` of wall time.
 
     Raises:
-        BadFile: as for `installed_author`.
+        BadFile: for the same reasons as `installed_author`.
     """
     author: WordingAuthor = WORDINGS.load(name)
     caller = ImpatientCaller[str | None](seconds)
@@ -113,7 +115,8 @@ def installed_strategy(name: str) -> StrategyFactory:
     """Return the factory of the strategy with this name, for games.
 
     Raises:
-        BadFile: as for `installed_author`; or the factory does not accept a manner and a seed, or returns no strategy.
+        BadFile: for the same reasons as `installed_author`; or the factory does not accept a manner and a seed, or does
+            not return a strategy.
     """
     return partial(WatchedStrategy, name, _strategy(name))
 
@@ -126,7 +129,7 @@ def impatient_strategy(name: str, seconds: float) -> StrategyFactory:
         seconds: timeout of a move, in wall time.
 
     Raises:
-        BadFile: as for `installed_strategy`.
+        BadFile: for the same reasons as `installed_strategy`.
     """
     return partial(ImpatientStrategy, _strategy(name), ImpatientCaller(seconds))
 
@@ -135,7 +138,8 @@ def participant_factory(name: str) -> ParticipantFactory:
     """Return the factory of the simulated participant with this name.
 
     Raises:
-        BadFile: as for `installed_author`; or the factory has other arguments, or returns no participant.
+        BadFile: for the same reasons as `installed_author`; or the factory has other arguments, or does not return a
+            participant.
     """
     factory: ParticipantFactory = PARTICIPANTS.load(name)
     takes = "a TreasureKnowledge, an attitude and a seed"
@@ -152,14 +156,15 @@ def installed_participant(
         name: name of the participant.
         knowledge: knowledge of treasures.
         seed: random seed.
-        attitude: attitude toward what robots say.
-        call: calls the participant in a trial, in which no fault is logged. If None, the game waits for each call.
+        attitude: attitude of the participant toward statements of robots.
+        call: function that calls the participant in a trial, where faults are not logged. If None, the game waits for
+            each call.
 
     Raises:
-        BadFile: as for `participant_factory`.
+        BadFile: for the same reasons as `participant_factory`.
     """
     factory = participant_factory(name)
-    warning = f"the participant {name} has not decided for {PATIENCE:g} s; the game waits for it"
+    warning = f"the participant {name} needs more than {PATIENCE:g} s for a decision; meanwhile, the game waits"
 
     def watched(asked: Callable[[], Sequence[ParticipantRequest]]) -> Sequence[ParticipantRequest]:
         with told_if_slow(PATIENCE, lambda: _log.warning(warning)), printing_aside():
@@ -187,7 +192,7 @@ class FaultLog:
         self._logged: set[str] = set()
 
     def __call__(self, fault: str) -> None:
-        """Log a fault, unless it has been logged before."""
+        """Log a fault that has not been logged before."""
         if fault not in self._logged and len(self._logged) < MOST_LOGGED:
             self._logged.add(fault)
             _log.warning("%s: %s", self._sentence, fault)

@@ -1,4 +1,4 @@
-"""Parts of robots' software that studies name as plug-ins, loaded and guarded."""
+"""Parts of robots' software that studies name as plug-ins. This module loads and guards them."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -34,18 +34,18 @@ class PartCaller(Protocol):
     """Function that calls a lab's program and returns its result."""
 
     def __call__(self, asked: Callable[[], T], /) -> T:
-        """Call it."""
+        """Call the program, and return the result."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class PartGuard:
-    """Guard of a part: any exception of the lab's program becomes `PartFailed` and is logged once.
+    """Guard of a part: it converts exceptions of the lab's program into `PartFailed`, and logs each of them once.
 
     Attributes:
         what: kind and name of the part.
-        log: called with each failure.
-        run: calls the lab's program; in a trial, with a timeout.
+        log: callback with each failure.
+        run: function that calls the lab's program; in a trial, it has a timeout.
     """
 
     what: str
@@ -56,11 +56,11 @@ class PartGuard:
         """Return the result of a call.
 
         Args:
-            asked: calls the lab's program.
-            wrong: returns the problem of a result; empty if there is none.
+            asked: function that calls the lab's program.
+            wrong: function that returns the problem of a result; empty if there is no problem.
 
         Raises:
-            PartFailed: the call raised an error, or its result is wrong.
+            PartFailed: the call raised an error, or the result is wrong.
         """
         try:
             with printing_aside():
@@ -73,7 +73,7 @@ class PartGuard:
         return returned
 
     def failed(self, problem: str) -> PartFailed:
-        """Return the failure of the part for a problem."""
+        """Log a problem of the part, and return the exception for it."""
         self.log(problem)
         return PartFailed(f"the {self.what} failed: {problem}")
 
@@ -83,7 +83,7 @@ class GuardedRecoveryFactory:
     """Factory of a lab's recovery behavior; see `RecoveryFactory`.
 
     Attributes:
-        factory: factory of the lab.
+        factory: the lab's factory.
         guard: guard of the behavior.
     """
 
@@ -91,7 +91,7 @@ class GuardedRecoveryFactory:
     guard: PartGuard
 
     def __call__(self, seed: int, /) -> RunningRecovery:
-        """Return the behavior."""
+        """Return a guarded recovery behavior."""
         return GuardedRecovery(self.guard.call(lambda: self.factory(seed)), self.guard)
 
 
@@ -100,15 +100,15 @@ class GuardedRecovery:
     """Recovery behavior of a lab.
 
     Attributes:
-        behavior: behavior of the lab.
-        guard: guard of its calls.
+        behavior: the lab's behavior.
+        guard: guard of all calls.
     """
 
     behavior: RunningRecovery
     guard: PartGuard
 
     def command(self, now: RecoverySituation) -> Twist | None:
-        """Return its command; see `RunningRecovery`."""
+        """Return the behavior's command; see `RunningRecovery`."""
         said = self.guard.call(lambda: self.behavior.command(now), _wrong_command)
         return None if said is None else Twist(float(said.linear), float(said.angular))
 
@@ -128,7 +128,7 @@ class GuardedLocalizerFactory:
     """Factory of a lab's localizer; see `LocalizerFactory`.
 
     Attributes:
-        factory: factory of the lab.
+        factory: the lab's factory.
         guard: guard of the localizer.
     """
 
@@ -136,16 +136,16 @@ class GuardedLocalizerFactory:
     guard: PartGuard
 
     def __call__(self, parameters: RobotParameters, grid: OccupancyGrid, mount: LaserMount, seed: int, /) -> Localizer:
-        """Return the localizer."""
+        """Return a guarded localizer."""
         return GuardedLocalizer(lambda: self.factory(parameters, grid, mount, seed), self.guard)
 
 
 class GuardedLocalizer:
-    """Localizer of a lab. If it fails, the robot is lost, and its last estimate is extrapolated by odometry.
+    """Localizer of a lab. After a failure, the robot counts as lost, and odometry extrapolates the last estimate.
 
     Args:
-        make: builds the lab's localizer.
-        guard: guard of its calls.
+        make: function that builds the lab's localizer.
+        guard: guard of all calls.
     """
 
     def __init__(self, make: Callable[[], Localizer], guard: PartGuard) -> None:
@@ -153,8 +153,7 @@ class GuardedLocalizer:
         self._localizer: Localizer | None = None
         self._covariance = read_only(np.zeros((3, 3)))
         self._odom_in_map = Pose2(0.0, 0.0, 0.0)
-        # Pose that was set by a request. The next odometry and this pose determine the correction of the odometry
-        # frame.
+        # Pose that a request has set. From it and the next odometry, the correction of the odometry frame is computed.
         self._base_in_map: Pose2 | None = None
         self._fault = ""
         try:
@@ -184,7 +183,7 @@ class GuardedLocalizer:
         self._pass_on(lambda localizer: localizer.configure(parameters))
 
     def _pass_on(self, request: Callable[[Localizer], None]) -> None:
-        """Pass a request on. If the request fails, the next update reports the failure."""
+        """Pass a request to the lab's localizer. If the request fails, the next update reports the failure."""
         localizer = self._localizer
         if localizer is not None:
             try:
@@ -194,11 +193,11 @@ class GuardedLocalizer:
 
     @property
     def awaits_scan(self) -> bool:
-        """False: the lab's localizer is updated in ticks without a scan too."""
+        """False, because the lab's localizer is also updated in ticks without a scan."""
         return False
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
-        """Return its estimate, or a lost one; see `Localizer`."""
+        """Return the lab's estimate or, after a failure, an estimate that is lost; see `Localizer`."""
         if self._base_in_map is not None:
             self._odom_in_map = self._base_in_map.compose(odometry.base_in_odom.inverse())
             self._base_in_map = None
@@ -211,14 +210,14 @@ class GuardedLocalizer:
             else:
                 return self._accepted(said, odometry)
         base_in_map = self._odom_in_map.compose(odometry.base_in_odom)
-        # A failed call is reported once; a localizer that could not be built has failed permanently.
+        # The failure of a call is reported once. If the localizer could not be built, the failure is permanent.
         fault, self._fault = self._fault, self._fault if self._localizer is None else ""
         return Estimate(
             odometry.tick, base_in_map, self._odom_in_map, self._covariance, _NO_PARTICLES, False, True, fault=fault
         )
 
     def _accepted(self, said: Estimate, odometry: Odometry) -> Estimate:
-        """Return a copy of an estimate, with the odometry correction that belongs to its pose."""
+        """Return a copy of an estimate, with the odometry correction that follows from the pose."""
         base = said.base_in_map
         base_in_map = Pose2(float(base.x), float(base.y), wrap_angle(float(base.theta)))
         self._odom_in_map = base_in_map.compose(odometry.base_in_odom.inverse())
@@ -238,21 +237,21 @@ class GuardedLocalizer:
 
 
 class PathFinder(Protocol):
-    """Global planner of a lab (nav_core::BaseGlobalPlanner)."""
+    """Global planner of a lab (in ROS: nav_core::BaseGlobalPlanner)."""
 
     def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2, /) -> FloatArray | None:
         """Return (m, 2) points or (m, 3) poses from start to goal; None if there is no path.
 
         Args:
-            costs: (rows, cols) of the whole map; read-only.
-            frame: place of the costs in the map.
-            start: pose of the base.
-            goal: pose at the end.
+            costs: (rows, cols) costs of the whole map; read-only.
+            frame: position of the costs on the map.
+            start: pose of the robot's base.
+            goal: pose of the robot's base at the goal.
         """
 
 
 class PathFinderFactory(Protocol):
-    """Factory of a lab's global planner: a class or function."""
+    """Factory of a lab's global planner: a class or a function."""
 
     def __call__(self, parameters: RobotParameters, seed: int, /) -> PathFinder:
         """Return the planner of one robot.
@@ -269,7 +268,7 @@ class GuardedPlannerFactory:
     """Factory of a lab's global planner; see `PlannerFactory`.
 
     Attributes:
-        factory: factory of the lab.
+        factory: the lab's factory.
         guard: guard of the planner.
     """
 
@@ -277,16 +276,16 @@ class GuardedPlannerFactory:
     guard: PartGuard
 
     def __call__(self, parameters: RobotParameters, seed: int, /) -> RobotPathPlanner:
-        """Return the planner."""
+        """Return a guarded planner."""
         return GuardedPlanner(lambda: self.factory(parameters, seed), self.guard)
 
 
 class GuardedPlanner:
-    """Global planner of a lab; its paths are checked.
+    """Global planner of a lab whose paths are checked.
 
     Args:
-        make: builds the lab's planner at the first request for a path.
-        guard: guard of its calls.
+        make: function that builds the lab's planner; it is called at the first request for a path.
+        guard: guard of all calls.
     """
 
     def __init__(self, make: Callable[[], PathFinder], guard: PartGuard) -> None:
@@ -295,12 +294,12 @@ class GuardedPlanner:
         self._finder: PathFinder | None = None
 
     def search(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> PathSearch:
-        """Search a path in a single step; see `PathPlanner`. Raises PartFailed."""
+        """Search a path in a single step; see `PathPlanner`. Raises PartFailed: the planner failed."""
         yield from ()
         return self.plan(costs, frame, start, goal)
 
     def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | PlanRefusal:
-        """Plan a path at once; see `RobotPathPlanner`. Raises PartFailed."""
+        """Plan a path at once; see `RobotPathPlanner`. Raises PartFailed: the planner failed."""
         if _cost_at(costs, frame, start) is None:
             return plan_refusal("start_outside")
         at_goal = _cost_at(costs, frame, goal)
@@ -319,19 +318,19 @@ class GuardedPlanner:
         if points is None:
             return plan_refusal("no_way")
         line = np.vstack([start.array()[:2], points[1:-1, :2], goal.array()[:2]])
-        # Repeated points are dropped: between two points in the same place there is no heading.
+        # Repeated points are dropped, because two equal points do not define a heading.
         moved = np.append(True, (np.diff(line, axis=0) != 0.0).any(axis=1))
         line = line[moved] if moved[1:].any() else line[[0, -1]]
         return Path(headings(line, goal.theta))
 
     def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
-        """Return (rows, cols) True in all free cells, because only a plan shows which cells a lab's planner reaches."""
+        """Return (rows, cols) True for all free cells. Only a plan would show which cells a lab's planner reaches."""
         return costs < INSCRIBED
 
 
 _OCCUPIED = (INSCRIBED, LETHAL)
 END_TOLERANCE = 0.2
-"""Largest distance of a path's start from the robot, and of its end from the goal, in a lab's path, m."""
+"""Largest distance from the robot to the start of a lab's path, and from the path's end to the goal, meters."""
 
 
 def _wrong_path(found: object, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> str:
@@ -351,14 +350,14 @@ def _wrong_path(found: object, costs: Costs, frame: CostFrame, start: Pose2, goa
         for part in range(parts + 1):
             at = Pose2(x + (u - x) * part / parts, y + (v - y) * part / parts, 0.0)
             cost = _cost_at(costs, frame, at)
-            # Near the robot obstacles are allowed: the path may lead away from one.
+            # Near the robot, the path may touch an obstacle, because it may lead the robot away from the obstacle.
             if at.distance(start) > NEAR_ROBOT and (cost is None or cost in _OCCUPIED):
                 return f"its path leads through an obstacle at ({at.x:.2f}, {at.y:.2f})"
     return ""
 
 
 NEAR_ROBOT = 0.5
-"""Distance from the robot up to which its path may touch obstacles, m."""
+"""Distance from the robot up to which a path may touch obstacles, meters."""
 
 
 def _cost_at(costs: Costs, frame: CostFrame, place: Pose2) -> int | None:
@@ -391,7 +390,8 @@ def installed_parts(robots: Iterable[RobotParameters], call: PartCaller | None =
 
     Args:
         robots: parameters of the robots' software.
-        call: calls labs' programs in a trial, in which no failure is logged. If None, they are called directly.
+        call: function that calls labs' programs in a trial, where failures are not logged. If None, they are called
+            directly.
 
     Raises:
         BadFile: a part is not installed, or cannot be built.
@@ -405,7 +405,7 @@ def installed_parts(robots: Iterable[RobotParameters], call: PartCaller | None =
 
 
 def load_part(kind: PartKind, name: str) -> Callable[..., Any]:  # type: ignore[explicit-any]  # of labs
-    """Return the factory of a part. Raises BadFile if it is not installed or cannot be built."""
+    """Return the factory of a part. Raises BadFile: the part is not installed or cannot be built."""
     plugin = PART_KINDS[kind]
     factory = plugin.load(name)
     match kind:

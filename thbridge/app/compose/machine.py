@@ -1,4 +1,4 @@
-"""Versions and machine of this process, which could change its results in addition to study, seed and inputs."""
+"""Versions and machine of this process. In addition to study, seed and inputs, they can change the results."""
 
 import os
 import platform
@@ -25,30 +25,30 @@ RECORDED_PACKAGES = (
     "pyvrp",
     "clingo",
 )
-"""Packages whose versions a bag records, because another version may run the same study differently."""
+"""Packages whose versions a bag records, because other versions may lead to other results of the same study."""
 
 
 def versions(plugins: Iterable[str] = ()) -> dict[str, str]:
-    """Return the versions of this program and of the installed packages that its results depend on.
+    """Return the versions of this program and of the installed packages that can change results.
 
     Args:
         plugins: keys of plug-ins, from `plugins_of` or from recorded versions; other keys are ignored. For each
-            installed plug-in, the result has the name and version of its package.
+            installed plug-in, the result contains the name and version of the plug-in's package.
     """
     found = {"python": platform.python_version()}
     for package in RECORDED_PACKAGES:
         try:
             found[package] = metadata.version(package)
         except metadata.PackageNotFoundError:
-            continue  # clingo is optional
+            continue  # Clingo is optional.
     return found | {key: version for key in plugins if (version := package_of(key)) is not None}
 
 
 def machine() -> dict[str, str]:
-    """Return the properties of this machine, by the names in `MACHINE`.
+    """Return the properties of this machine, by their names in `MACHINE`.
 
-    The processor's features are listed as numpy and the compiler of our kernels see them; environment variables may
-    have switched some features off.
+    The features of the processor are the features that numpy and the compiler of our kernels can use. Environment
+    variables can turn features off.
     """
     features = {name: bool(has) for name, has in __cpu_features__.items()}
     compiled = llvm.get_host_cpu_features()
@@ -63,7 +63,7 @@ def machine() -> dict[str, str]:
 
 
 def _processor() -> str:
-    """Return the processor's model as Linux reports it; on other systems, as Python reports it."""
+    """Return the model of the processor as reported by Linux; on other systems, as reported by Python."""
     try:
         cpuinfo = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
     except OSError:

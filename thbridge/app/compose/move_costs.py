@@ -15,22 +15,23 @@ from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.study.study_file import CostModel, Study
 
 ROUNDING = 1.0
-"""Seconds by which a trip may be faster than a straight drive: files have whole seconds, and goals have tolerances."""
+"""Seconds by which a trip may be faster than a straight drive, because files round times and goals have tolerances."""
 
 
 def costs_file(
     study: Study, beside: Path, place: Map, folder: Path, templates: TemplateSet, resources: Resources
 ) -> Path:
-    """Return the study's own cost file. If it has none, return that of the templates for this map, or that of the map.
+    """Return the file with the costs of moves.
 
-    If the templates do not name a map, their cost file is for any map.
+    It is the study's own cost file, otherwise the cost file of the templates if it is for this map, otherwise the cost
+    file of the map. If the templates do not name a map, their cost file is for all maps.
 
     Args:
         study: the study.
-        beside: the folder that paths in the study are relative to.
-        place: its map.
-        folder: folder of its templates.
-        templates: its templates.
+        beside: folder to which paths in the study are relative.
+        place: map of the study.
+        folder: folder of the study's templates.
+        templates: templates of the study.
         resources: maps and templates that are known by name.
 
     Raises:
@@ -46,18 +47,18 @@ def costs_file(
     if templates.costs is not None and (templates.map is None or names_map):
         return folder / MAP_TIMES
     if templates.costs is None:
-        problem = f"neither this folder nor that of the map {place.name} has a {MAP_TIMES}, so moves have no costs"
+        problem = f"moves have no costs, because neither this folder nor the map {place.name} has a file {MAP_TIMES}"
     elif templates.map == place.name:
-        problem = f"its costs are for the program's map {place.name}, and the map of the study is another one"
+        problem = f"its costs are for the built-in map {place.name}, but the study has another map of this name"
     else:
-        problem = f"its costs are for the map {templates.map}, and the map {place.name} has no {MAP_TIMES}"
+        problem = f"its costs are for the map {templates.map}, and the map {place.name} has no file {MAP_TIMES}"
     measure = f"thbridge maps measure {of_map} --out {of_map / MAP_TIMES}"
     remedy = f"measure the trips with `{measure}`, or name another file with `game: costs:` in the study"
     raise BadFile(folder / MAP_TIMES, problem, remedy)
 
 
 def _names(name: str | None, of_map: Path, place: Map, resources: Resources) -> bool:
-    """Return True when a name in `set.yaml` means this map. The name of a shipped map also means copies of that map."""
+    """Return True if a name in `set.yaml` means this map. The name of a built-in map also means copies of that map."""
     if name != place.name or name not in resources.names("maps"):
         return name == place.name
     shipped = resources.root / "maps" / name
@@ -68,14 +69,15 @@ def _names(name: str | None, of_map: Path, place: Map, resources: Resources) -> 
 
 
 def read_costs(path: Path, place: Map) -> CostMatrix:
-    """Return the costs in a file. Raises BadFile if they cannot be read or do not fit the map."""
+    """Return the costs in a file. Raises BadFile: the file cannot be read, or does not fit the map."""
     costs = read_map_times(path)
     if len(costs.rooms) != len(place.rooms):
         raise BadFile(
             path,
-            f"{len(costs.rooms) + 1} nodes, but the map {place.name} has {len(place.rooms)} rooms and a corridor",
-            f"let `thbridge maps measure` write a {MAP_TIMES} of {len(place.rooms) + 1} nodes into the map's folder, "
-            "or name one with `game: costs:` in the study",
+            f"the file has {len(costs.rooms) + 1} nodes, but the map {place.name} has {len(place.rooms)} rooms and a "
+            "corridor",
+            f"write a file {MAP_TIMES} with {len(place.rooms) + 1} nodes into the map's folder by `thbridge maps "
+            "measure`, or name a file with `game: costs:` in the study",
             line=1,
             key="number of nodes",
         )
@@ -88,25 +90,26 @@ def doubts_of_costs(
     """Yield warnings that a cost file may be for another map.
 
     Args:
-        path: the file, as `costs_file` found it.
-        costs: its content.
+        path: the file that `costs_file` found.
+        costs: content of the file.
         study: the study.
-        place: its map.
-        templates: its templates.
+        place: map of the study.
+        templates: templates of the study.
         resources: maps and templates that are known by name.
     """
     if study.game.costs is not None:
         if path.parent.parent == resources.root / "templates":
             meant = read_template_set(path.parent).map
             if meant not in {None, place.name}:
-                problem = f"this file prices the moves on the map {place.name}, but is for the map {meant}"
-                yield BadFile(path, problem, "Delete `game: costs:` in the study if that is not intended")
+                problem = f"the costs of moves on the map {place.name} come from this file for the map {meant}"
+                yield BadFile(path, problem, "If you do not want this, delete `game: costs:` in the study")
     elif path != place.costs:
         if templates.map is None:
             problem = (
-                f"this file prices the moves on the map {place.name}, but set.yaml does not say for which map it is"
+                f"the costs of moves on the map {place.name} come from this file, but set.yaml does not name the "
+                "file's map"
             )
-            remedy = f"Write `map: {place.name}` into set.yaml if it is for this map"
+            remedy = f"If the file is for this map, write `map: {place.name}` into set.yaml"
             yield BadFile(path, problem, remedy)
     elif too_cheap := tuple(_faster_than_robots(costs, study, place)):
         start, goal, least = too_cheap[0]
@@ -119,7 +122,7 @@ def doubts_of_costs(
 
 
 def _faster_than_robots(costs: CostMatrix, study: Study, place: Map) -> Iterator[tuple[Room, Room, float]]:
-    """Yield each trip faster than a straight drive at the highest speed: start, goal, seconds of the straight drive."""
+    """Yield each trip that is faster than a straight drive at the highest speed: start, goal, seconds of that drive."""
     planned = max(map(_greatest_speed, (study.robot, *study.each.values())))
     fastest = min(planned, study.world.max_vel_x)
     goals = {entry.room: (entry.goal,) for entry in place.rooms}

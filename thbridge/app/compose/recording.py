@@ -1,4 +1,4 @@
-"""Builders of the robots' output: ROS messages, bags and their first record, the description for a ROS graph."""
+"""Builders of the robots' output: ROS messages, bags, the first record of bags, and descriptions for ROS graphs."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -25,7 +25,7 @@ from thbridge.study.text import resolved
 
 
 def build_record(setting: StudySetting, program: str, roles: Sequence[str], participant: str) -> SessionRecord:
-    """Return a bag's first record; see `SessionRecord` for the arguments."""
+    """Return the first record of a bag; `SessionRecord` describes the arguments."""
     study = setting.study
     recorded = versions(plugins_of(study)) | machine()
     return SessionRecord(resolved(study), study.seed, recorded, program, tuple(roles), participant)
@@ -45,24 +45,24 @@ def build_recorder(
     listeners: Sequence[Listener],
     publisher: TeamPublisher | None = None,
 ) -> BagRecorder:
-    """Return the recorder that turns ticks into messages; it sends the opening to its listeners at once.
+    """Return the recorder that converts ticks into messages. It sends the first record to the listeners at once.
 
     Args:
         setting: the study.
         opening: first record, see `build_record`.
         listeners: receivers of all messages.
-        publisher: publisher of the robots' messages, if another part uses it too; None builds one.
+        publisher: publisher of the robots' messages, if another part also uses it. If None, a new publisher is built.
     """
     return BagRecorder(Broadcast(publisher or build_publisher(setting), opening, setting.map.grid, listeners))
 
 
 def room_labels(setting: StudySetting) -> tuple[RoomLabel, ...]:
-    """Return the names of the map's rooms; each is placed at the goal that robots have in the room."""
+    """Return the names of the rooms, each with the goal of the room as its place on the map."""
     return tuple(RoomLabel(each.room.people, each.name, each.goal.x, each.goal.y) for each in setting.map.rooms)
 
 
 def build_writer(setting: StudySetting, path: Path, caller: str = CALLER) -> BagWriter:
-    """Return a writer of a new bag, for messages of this node. Raises BagNotWritten."""
+    """Return a writer of a new bag for messages of this node. Raises BagNotWritten: the bag cannot be written."""
     recording = setting.study.recording
     keep = message_filter(recording.detail, errors=recording.errors)
     definitions = Definitions(ROS_SHARES if recording.definitions is DefinitionTexts.INSTALLED else ())
@@ -77,7 +77,7 @@ def build_writer(setting: StudySetting, path: Path, caller: str = CALLER) -> Bag
 
 
 def message_filter(detail: RecordingDetail, *, errors: bool) -> MessageFilter:
-    """Return the filter that keeps the recorded messages of a session, in order; `errors` as in the study."""
+    """Return the filter that selects the recorded messages of a session; `errors` is the study's value."""
     keep: MessageFilter = list if detail is RecordingDetail.ALL else RepetitionFilter()
     return keep if errors else lambda messages: keep(each for each in messages if not is_of_errors(each.topic))
 

@@ -1,4 +1,4 @@
-"""Builders of the robots: the simulated team, its role, its MAVLink vehicles."""
+"""Builders of the robots: the simulated team, the role of the robots, and the MAVLink vehicles."""
 
 from collections.abc import Callable, Sequence
 
@@ -27,9 +27,9 @@ from thbridge.roles.simr.travel_times import TravelTimes
 from thbridge.study.things import schedule_of
 
 REHEARSAL = 5 * TICKS_PER_SECOND
-"""Ticks of a rehearsal: enough for robots to localize, to plan around each other, to turn and to drive."""
+"""Number of ticks of a rehearsal, in which robots localize, plan around each other, turn and drive."""
 REHEARSERS = 10
-"""Largest number of robots with the common parameters in a rehearsal: enough for everything that `REHEARSAL` lists."""
+"""Largest number of robots with the common parameters in a rehearsal; it is enough for all actions in `REHEARSAL`."""
 
 
 def build_team(setting: StudySetting) -> Team:
@@ -51,8 +51,7 @@ def _team(setting: StudySetting, robots: Sequence[int], schedule: Sequence[Sched
 def rehearse(setting: StudySetting) -> None:
     """Drive simulated robots for a few seconds, so that numba compiles all kernels before the session begins.
 
-    In a large team, only some of the robots with the common parameters drive, and all robots with parameters of their
-    own.
+    In a large team, all robots with separate parameters drive, but only some of the robots with the common parameters.
     """
     study, rooms = setting.study, setting.map.rooms
     robots = [robot for robot in range(study.robots) if robot < REHEARSERS or number_of(robot) in study.each]
@@ -65,7 +64,10 @@ def rehearse(setting: StudySetting) -> None:
 def build_simr(
     setting: StudySetting, robots: RobotTeam | None = None, response_timeout: int = RESPONSE_TIMEOUT
 ) -> SimR:
-    """Return the role of `robots`; if None, of simulated robots. `response_timeout` as for `SimR`, in ticks."""
+    """Return the role of the robots; if `robots` is None, they are simulated.
+
+    `SimR` describes `response_timeout`; the unit is ticks.
+    """
     field = GameMap(
         name=setting.map.name,
         goals=tuple(room.goal for room in setting.map.rooms),
@@ -79,7 +81,7 @@ def build_simr(
 
 
 def build_travel_times(setting: StudySetting) -> TravelTimes:
-    """Return the travel times of the study's robots from any place of its map."""
+    """Return the travel times of the study's robots from any place of the map."""
     place, study = setting.map, setting.study
     inscribed, _ = radii(np.array(study.world.footprint))
     inflation = study.software(number_of(0)).global_costmap.inflation_layer.inflation_radius
@@ -93,7 +95,7 @@ def build_travel_times(setting: StudySetting) -> TravelTimes:
 
 
 def build_game_setup(setting: StudySetting) -> GameSetup:
-    """Return the facts that pilots know before the game begins."""
+    """Return the facts that the robots' pilots know before the game begins."""
     study = setting.study
     software = [study.software(number_of(robot)) for robot in range(study.robots)]
     planners = [each for one in software for each in (one.NavfnROS, one.GlobalPlanner)]
@@ -107,11 +109,10 @@ def build_game_setup(setting: StudySetting) -> GameSetup:
 
 
 def vehicle_factory(setting: StudySetting, simr: Role) -> Callable[[RequestSink], Vehicles] | None:
-    """Return the factory of the robots' MAVLink vehicles; its argument receives their requests.
+    """Return the factory of the robots' MAVLink vehicles, or None if there are no vehicles.
 
-    None if there are no vehicles.
-
-    Only the simulated robots of `SimR` are vehicles.
+    The argument of the factory receives the requests of the vehicles. Only the simulated robots of `SimR` can be
+    vehicles.
     """
     study = setting.study
     if not study.mavlink.on or not isinstance(simr, SimR):

@@ -1,4 +1,4 @@
-"""Opener of sessions: the only place where keeper, robots, treasures and participant become a session."""
+"""Construction of a session from keeper, robots, treasures and participant, which occurs only in this module."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
@@ -12,13 +12,13 @@ from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.shared.role import Role
 from thbridge.text_protocol.wire import legacy
 
-if TYPE_CHECKING:  # Imported only for types: a text server has no robots, and starts faster without the simulator.
+if TYPE_CHECKING:  # A text server has no robots, and starts faster without the simulator.
     from thbridge.roles.simr.team import RobotTeam
 
 
 @dataclass(frozen=True, slots=True)
 class Programs:
-    """Programs of a game that run inside a session, in addition to the keeper; the others connect from outside.
+    """Programs of a game that run inside a session, in addition to the keeper. All others connect from outside.
 
     Attributes:
         robots: role of the robots.
@@ -37,7 +37,7 @@ class Programs:
 
     @property
     def names(self) -> list[str]:
-        """Names of all roles, as recordings have them."""
+        """Names of all roles, as recordings contain them."""
         return [role.name for role in (*self.roles, self.participant) if role is not None]
 
 
@@ -52,8 +52,8 @@ def build_programs(
     Args:
         setting: the study.
         participant: role of the participant.
-        outside: names of the roles that other programs take; the robots are always inside.
-        team: the robots. If None, simulated robots are built, to which only this session has access.
+        outside: names of the roles that other programs have; the robots are always inside the session.
+        team: the robots. If None, simulated robots are built for this session.
     """
     from thbridge.app.compose.robots import build_simr  # noqa: PLC0415
 
@@ -66,10 +66,10 @@ def build_programs(
 
 @dataclass(frozen=True, slots=True)
 class SessionRecording:
-    """Recording of a session; by default nothing is recorded.
+    """Recording of a session. By default, nothing is recorded.
 
     Attributes:
-        recorders: record every tick.
+        recorders: recorders that record every tick.
         log: log of the game's events and of uses of keys.
         run: unique name of this run, for the record of uses of keys.
     """
@@ -89,10 +89,10 @@ def open_session(
     outlets: SessionOutlets = NO_OUTLETS,
     keeper: Keeper | None = None,
 ) -> Session:
-    """Return a new, complete session: no part of it is added or changed afterwards.
+    """Return a new, complete session; no part is added or replaced later.
 
     Args:
-        setting: the study. Its simulated robots are MAVLink vehicles if the study says so.
+        setting: the study. If the study says so, its simulated robots are MAVLink vehicles.
         programs: the game's programs that run inside the session.
         recording: recording of the session.
         outlets: servers of the session's connections and links.

@@ -1,4 +1,4 @@
-"""A study with all files it names, read and checked."""
+"""Study with all files that it names, read and checked."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -44,29 +44,30 @@ if TYPE_CHECKING:  # Only studies with installed parts need these modules.
     from sim.robot.installed_parts import InstalledParts
 
 LARGEST_CONSENT = 8000
-"""Largest size of consent text and farewell, in bytes: with the rest of a view they must fit into one line."""
+"""Largest size of the consent text and of the farewell, in bytes: a line must have space for a complete view."""
 
 
 @dataclass(frozen=True, slots=True)
 class StudySetting:
-    """A study with all files that it names, read and checked; all parts of a session are built from it.
+    """Study with all files that it names, read and checked. Sessions are built from this data.
 
     Attributes:
         study: the study.
-        map: its map.
-        templates: its set of templates.
+        map: map of the study.
+        templates: template set of the study.
         costs: energy of every move between places of the game.
-        by_position: True if the cost of a move depends on where the robot stands; False if `costs` applies everywhere.
+        by_position: True if the cost of a move depends on the position of the robot; False if `costs` applies to all
+            positions.
         rulebook: rulebook of the dialogue games; None if robots ask scripted questions.
         language: language in which robots argue; None if robots ask scripted questions.
-        strategies: strategies of robots that argue, by index; the key None applies to all other robots, and the value
-            None means the robot's own strategy.
-        author: author of other wordings of robots' sentences. If None, all sentences come from the language's files.
-        parts: parts of robots' software that are plug-ins; None if the study names none.
-        consent: text that participants have to agree to; None if they are not asked.
+        strategies: strategies of robots that argue, by index of the robot. The key None stands for all other robots.
+            The value None stands for the robot's own strategy.
+        author: author of wordings for robots' sentences. If None, all sentences come from the language's files.
+        parts: parts of robots' software that are plug-ins; None if the study names no plug-ins.
+        consent: text to which participants must agree; None if they are not asked.
         farewell: text for the end of a game; may be empty.
         texts: texts of the game's language, for participants.
-        doubts: warnings about map, templates and costs, for people; the game can be played nevertheless.
+        doubts: warnings about map, templates and costs, for people; the game can still be played.
     """
 
     study: Study
@@ -86,7 +87,7 @@ class StudySetting:
 
     @property
     def room_names(self) -> RoomNames:
-        """Names of the map's rooms in the game's language."""
+        """Names of the rooms in the game's language."""
         return self.map.room_names_in(self.texts.language)
 
     @property
@@ -95,16 +96,16 @@ class StudySetting:
         words = self.templates.in_language(self.texts.language)
         if self.templates.properties != OF_2016:
             return words
-        # Files of 2016 have no labels, so the program's own are used.
+        # Files of 2016 have no labels, so built-in labels are used.
         return replace(words, properties=tuple(_labelled(each, self.texts) for each in words.properties))
 
     def floor(self) -> TraversabilityMap:
-        """Return the map's floor, for robots of the study's footprint."""
+        """Return the floor of the map, for robots with the study's footprint."""
         return _floor(self.study, self.map)
 
 
 def _labelled(declared: TreasureProperty, texts: Texts) -> TreasureProperty:
-    """Return a property of 2016 with its label in a language; unchanged if the set has its own words for it."""
+    """Return a property of 2016 with a label in a language; unchanged if the set has words for this property."""
     label = texts.text(f"properties.{declared.name}") if declared in OF_2016 else declared.label
     return replace(declared, label=label)
 
@@ -116,12 +117,12 @@ def read_setting(
 
     Args:
         study: the study.
-        beside: the folder that paths in the study are relative to.
-        resources: maps and templates that are known by name; by default those of the project.
-        written: the study as read from its file, so that errors name lines; None if the study has no file.
+        beside: folder to which paths in the study are relative.
+        resources: maps and templates that are known by name. If None, these are the built-in maps and templates.
+        written: the study as it was read from its file, so that errors contain lines; None if the study has no file.
 
     Raises:
-        BadFile: a file is missing or wrong, or files do not fit together. BadFiles has all such faults at once.
+        BadFile: a file is missing or wrong, or files do not fit together. BadFiles contains several faults.
     """
     resources = resources or shipped()
     faults, keys = FaultCollection(), StudyKeys(study, written, resources)
@@ -154,8 +155,8 @@ def read_setting(
     games = () if talk.games is None else (beside / talk.games,)
     # The rulebook is read only if needed, because reading it takes 0.2 s.
     if talk.condition is not DialogueCondition.SCRIPT or (talk.games, talk.words, talk.language) != (None, None, "en"):
-        # For a missing folder, the error names the line of the study. For faults in an existing folder, it names the
-        # lines of the folder's own files.
+        # If the folder is missing, the error names the line of the study. If files in the folder have faults, the error
+        # names the lines of these files.
         with faults.kept(), keys.naming("dialogue.games", not all(folder.is_dir() for folder in games)):
             rulebook = read_rulebook((SHIPPED_GAMES, *games))
             with faults.kept():
@@ -196,12 +197,12 @@ def read_setting(
 
 
 def _parts(study: Study, keys: "StudyKeys") -> "InstalledParts | None":
-    """Return the parts of robots' software that are plug-ins; None if the study names none."""
+    """Return the parts of robots' software that are plug-ins; None if the study names no plug-ins."""
     robots = {"robot": study.robot, **{f"each.{number}": software for number, software in study.each.items()}}
     named = [(key, *part) for key, software in robots.items() for part in installed_names(software)]
     if not named:
         return None
-    # Imported here: a text server has no robots, and does not load their software.
+    # The import is here, so that a text server, which has no robots, does not load the software of robots.
     from thbridge.app.compose.installed_parts import installed_parts, load_part  # noqa: PLC0415
 
     faults = FaultCollection()
@@ -213,9 +214,9 @@ def _parts(study: Study, keys: "StudyKeys") -> "InstalledParts | None":
 
 
 def _strategy_names(talk: DialogueSection) -> Iterator[tuple[int | None, str, str | None]]:
-    """Yield index, key of the study and name of the strategy, for each robot with its own strategy.
+    """Yield index of the robot, key of the study and name of the strategy, for each robot with a separate strategy.
 
-    The common strategy of the other robots comes first, with the index None.
+    The common strategy of all other robots comes first, with the index None.
     """
     common = talk.strategy_of(talk.manner)
     yield None, "dialogue.strategy" if talk.manner.strategy is None else "dialogue.manner.strategy", common
@@ -225,7 +226,7 @@ def _strategy_names(talk: DialogueSection) -> Iterator[tuple[int | None, str, st
 
 
 def _language(talk: DialogueSection, beside: Path, keys: "StudyKeys", rulebook: Rulebook) -> Language:
-    """Return the language in which robots argue; words of the study's own folder replace the shipped words."""
+    """Return the language in which robots argue; words in the study's folder of words replace built-in words."""
     folders = _folders(talk, beside)
     if talk.words is not None:
         with keys.naming("dialogue.words", not languages_in(folders[-1])):
@@ -236,24 +237,26 @@ def _language(talk: DialogueSection, beside: Path, keys: "StudyKeys", rulebook: 
 
 
 def texts_of(study: Study, beside: Path) -> Texts:
-    """Return the texts of a study's language; texts of the study's own folder replace the shipped texts.
+    """Return the texts of a study's language; texts in the study's folder of words replace built-in texts.
 
     Args:
         study: the study.
-        beside: the folder that paths in the study are relative to.
+        beside: folder to which paths in the study are relative.
 
     Raises:
-        BadFile: a file is missing or wrong. BadFiles has all such faults at once.
+        BadFile: a file is missing or wrong. BadFiles contains several faults.
     """
     talk = study.dialogue
     return shipped_texts(talk.language) if talk.words is None else read_texts(_folders(talk, beside), talk.language)
 
 
 def missing_in(study: Study, beside: Path, resources: Resources | None = None) -> tuple[BadFile, ...]:
-    """Return the words that a study's map and templates lack in the study's language, with the files to write.
+    """Return the words of a study's map and templates that are missing in the study's language.
+
+    The result names the files in which to write these words. The arguments are as in `read_setting`.
 
     Raises:
-        BadFile: map or templates have a fault. Arguments as for `read_setting`.
+        BadFile: map or templates have a fault.
     """
     resources, language = resources or shipped(), study.dialogue.language
     maps, sets = (resources.find(*named, beside) for named in (("maps", study.map), ("templates", study.templates)))
@@ -262,21 +265,24 @@ def missing_in(study: Study, beside: Path, resources: Resources | None = None) -
 
 
 def advice_on_language(study: Study, beside: Path) -> str | None:
-    """Return a sentence about texts that a study's language lacks; None if it has all. Arguments as for `texts_of`."""
+    """Return a sentence about texts that are missing in a study's language; None if no text is missing.
+
+    The arguments are as in `texts_of`.
+    """
     return advice_on_texts(_folders(study.dialogue, beside), study.dialogue.language)
 
 
 def _folders(talk: DialogueSection, beside: Path) -> list[Path]:
-    """Return the folders of languages."""
+    """Return the folders with languages for a study."""
     return [SHIPPED_LANGUAGES] if talk.words is None else [SHIPPED_LANGUAGES, beside / talk.words]
 
 
 class StudyKeys:
-    """Converter of faults in files that a study names; each becomes a fault in a line of the study's own file.
+    """Converter of faults in files that a study names into faults in lines of the study's own file.
 
     Args:
-        study: the study, perhaps with values that do not come from its file.
-        written: the study as read from its file; None if it has no file.
+        study: the study; some values may not come from the study's file.
+        written: the study as it was read from its file; None if the study has no file.
         resources: maps and templates that are known by name.
     """
 
@@ -286,18 +292,18 @@ class StudyKeys:
         self._resources = resources
 
     def fault(self, key: str, fault: BadFile) -> BadFile:
-        """Return a fault as a fault in the key's line; unchanged if the key's value does not come from the file."""
+        """Convert a fault into a fault in the key's line, unless the value of the key does not come from the file."""
         written = self._written
         if written is None or attrgetter(_field(key))(written.value) != attrgetter(_field(key))(self._study):
             return fault
-        # An unknown name is a fault of the study alone, so the message does not name the searched folder.
+        # An unknown name is a fault only of the study, so the message does not name the searched folder.
         unknown = fault.path.parent == self._resources.root
         problem = fault.problem if unknown else f"{fault.path}: {fault.problem}"
         return written.fault(key, problem, fault.remedy)
 
     @contextmanager
     def naming(self, key: str, when: bool = True) -> Iterator[None]:
-        """Convert a fault that is raised in this context to a fault in the key's line.
+        """Convert a fault that is raised in this context into a fault in the key's line.
 
         If `when` is False, do not convert it.
         """
@@ -308,7 +314,7 @@ class StudyKeys:
 
 
 def _field(key: str) -> str:
-    """Return the field path of a study's key, without the index in a list or the number in a mapping."""
+    """Return the path of a study's key without indices of lists and numbers in mappings."""
     return re.split(r"\[|\.\d", key)[0]
 
 
@@ -324,13 +330,13 @@ def read_map_of(
 
     Args:
         study: the study.
-        beside: the folder that paths in the study are relative to.
-        resources: maps that are known by name; by default those of the project.
+        beside: folder to which paths in the study are relative.
+        resources: maps that are known by name. If None, these are the built-in maps.
         with_costs: False if travel costs are not needed; see `read_map`.
-        written: as for `read_setting`.
+        written: as in `read_setting`.
 
     Raises:
-        BadFile: the map has a fault, or the study does not fit it.
+        BadFile: the map has a fault, or the study does not fit the map.
     """
     resources = resources or shipped()
     keys = StudyKeys(study, written, resources)
@@ -350,30 +356,30 @@ def read_map_of(
 
 
 def _consent(study: Study, beside: Path) -> str | None:
-    """Return the consent text that the study names; None if it names none."""
+    """Return the consent text that the study names; None if the study names no consent text."""
     if study.participant.consent is None:
         return None
     path = beside / study.participant.consent
     text = read_text(path, LARGEST_CONSENT).strip()
     if not text:
-        problem, remedy = "the consent text is empty", "write the text, or remove `participant: consent:`"
+        problem, remedy = "the consent text is empty", "write a text, or delete `participant: consent:` in the study"
         raise BadFile(path, problem, remedy)
     return text
 
 
 def _farewell(study: Study, beside: Path) -> str:
-    """Return the text for the end of a game; empty if the study names none."""
+    """Return the text for the end of a game; empty if the study names no farewell."""
     farewell = study.participant.farewell
     return "" if farewell is None else read_text(beside / farewell, LARGEST_CONSENT).strip()
 
 
 def _floor(study: Study, place: Map) -> TraversabilityMap:
-    """Return the map's floor, for robots of the study's footprint."""
+    """Return the floor of a map, for robots with the study's footprint."""
     return TraversabilityMap.of(place.grid, *radii(np.array(study.world.footprint)))
 
 
 def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[tuple[str, BadFile]]:
-    """Yield faults of scheduled failures that move robots into walls or off the map, each with its key in the study."""
+    """Yield a key of the study and a fault for each scheduled failure that moves a robot into a wall or off the map."""
     carried = [(index, mishap, mishap.to) for index, mishap in enumerate(study.mishaps) if mishap.to is not None]
     floor = _floor(study, place) if carried else None
     for index, mishap, (x, y, yaw) in carried:

@@ -1,13 +1,13 @@
-"""The log of a game's inputs, with which a game resumes after its program has died.
+"""Log of a game's inputs, with which a game resumes after its program has died.
 
-The effects of an input can be computed again, so only the inputs must not be lost. Each input is on the disk before the
-tick in which it acts sends any message. A resumed game is run again from its study with the logged inputs, as fast as
-possible, up to the last logged tick.
+The effects of an input can be computed again, so only the inputs must not be lost. Each input is on the disk before any
+message of its tick is sent. To resume a game, the program runs the game again from its study with the logged inputs, as
+fast as possible, up to the last logged tick.
 
 The first line of the file identifies the game. There are further lines for each tick with inputs, events or utterances,
-for each tick that took long, and for each second of simulated time. The lines of seconds contain a digest of the
-robots' poses and the score, so a game that differs from the first run is noticed. All lines contain the real time of
-their tick; no game depends on it. A partly written last line, which remains when the program dies, is dropped.
+for each tick that took long, and for each second of simulated time. A line for a second contains a digest of the
+robots' poses and the score, so differences from the first run are noticed. Each line contains the real time of its
+tick, on which games do not depend. If the program dies while it writes the last line, this incomplete line is dropped.
 """
 
 import fcntl
@@ -33,21 +33,21 @@ from thbridge.timing.pace_meter import LATE, PaceMeter, PaceState
 from thbridge.timing.pacer import Pacer
 
 _MACHINE_KEYS = ("libc", "processor", "compiler", "architecture")
-"""Beginnings of the keys that describe the machine in a session record; games are the same on all machines."""
+"""Beginnings of the keys that describe the machine in a session record. Games are equal on all machines."""
 
 
 class GameDiffers(BadFile):
-    """The inputs of a log do not lead to the game for which the log was written."""
+    """Error: the inputs of a log do not lead to the game for which the log was written."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoggedTick:
-    """A tick of the log.
+    """Tick of the log.
 
     Attributes:
-        tick: its number.
-        inputs: inputs that acted in it, in order.
-        digest: digest of poses and score after the tick; empty if the line has none.
+        tick: number of the tick.
+        inputs: inputs that acted in the tick, in order.
+        digest: digest of poses and score after the tick; empty if the line has no digest.
         pace: real time up to the tick; None in logs of earlier releases, and after the end of the game.
     """
 
@@ -58,20 +58,20 @@ class LoggedTick:
 
 
 class InputLog:
-    """A log of inputs, open for appending; see the module.
+    """Log of inputs, open for appending; the docstring of the module describes the format.
 
     Args:
-        path: the file; it is begun if it does not exist or has no complete line.
+        path: path of the file. If the file does not exist or has no complete line, a new log begins.
         record: session record of the game.
-        meter: measures the real time of ticks; it continues from the end of the log.
+        meter: meter of the real time of ticks, which continues from the end of the log.
         pacer: pacer of the session.
 
     Attributes:
         ticks: the ticks in the log when it was opened, oldest first.
 
     Raises:
-        BadFile: it cannot be read or written, or another program is writing it.
-        GameDiffers: it is the log of another game, or of another release.
+        BadFile: the file cannot be read or written, or another program is writing it.
+        GameDiffers: the log belongs to another game, or to another release.
     """
 
     def __init__(self, path: Path, record: SessionRecord, meter: PaceMeter, pacer: Pacer) -> None:
@@ -89,17 +89,17 @@ class InputLog:
             raise BadFile(path, "another program is running this game", "stop that program first") from None
         except OSError as error:
             raise BadFile(
-                path, f"it cannot be written ({error.strerror})", "check the disk and its permissions"
+                path, f"the file cannot be written ({error.strerror})", "check the disk and the permissions"
             ) from None
         self._last = self.ticks[-1].tick if self.ticks else -1
         self._digests = {logged.tick: logged.digest for logged in self.ticks if logged.digest}
         meter.go_on((logged.tick, logged.pace) for logged in self.ticks if logged.pace is not None)
 
     def record(self, record: TickRecord) -> None:
-        """See `TickRecorder`; a tick that is already in the log is only compared with it.
+        """Record a tick, see `TickRecorder`. A tick that is already in the log is only compared with the log.
 
         Raises:
-            BadFile: it cannot be written.
+            BadFile: the file cannot be written.
             GameDiffers: the tick differs from the logged tick.
         """
         digest = _digest(record) if record.tick % TICKS_PER_SECOND == 0 else ""
@@ -107,10 +107,10 @@ class InputLog:
         if record.tick <= self._last:
             if digest and self._digests.get(record.tick, digest) != digest:
                 raise self._differs(
-                    f"at {record.tick // TICKS_PER_SECOND} s the robots are not where they were in the first run"
+                    f"at {record.tick // TICKS_PER_SECOND} s, robots have other poses than in the first run"
                 )
             return
-        # Real time does not count after the end of a game: only its result is shown, for as long as people look at it.
+        # After the end of a game, real time does not count, because people look at the result for an arbitrary time.
         pace = None if was_over and self._over else self._meter.measure(record.tick, self._pacer)
         worth_noting = pace is not None and (record.events or record.utterances or pace.step > LATE)
         if not record.inputs and not digest and not worth_noting:
@@ -123,7 +123,8 @@ class InputLog:
         try:
             append_whole(self._file, _line(line), synced=bool(given))
         except OSError as error:
-            raise BadFile(self._path, f"it cannot be written ({error.strerror})", "free space on the disk") from None
+            problem = f"the file cannot be written ({error.strerror})"
+            raise BadFile(self._path, problem, "free space on the disk") from None
 
     def close(self) -> None:
         """Close the file."""
@@ -142,7 +143,7 @@ class InputLog:
             return ()
         lines = whole.splitlines(keepends=True)
         if lines[0] != first:
-            raise self._differs("it belongs to another study or to another release of the program")
+            raise self._differs("the log belongs to another study or to another release of the program")
         return [self._read(number, line) for number, line in enumerate(lines[1:], 2)]
 
     def _read(self, number: int, line: bytes) -> LoggedTick:
@@ -152,11 +153,11 @@ class InputLog:
             pace = PaceState(*map(float, logged["pace"])) if "pace" in logged else None
             return LoggedTick(logged["tick"], tuple(given), logged["digest"], pace)
         except (ValueError, KeyError, TypeError):
-            remedy = "Move it away; the game then starts from the beginning"
-            raise BadFile(self._path, "it is damaged", remedy, line=number) from None
+            remedy = "Move the file away; then the game starts from the beginning"
+            raise BadFile(self._path, "this line is damaged", remedy, line=number) from None
 
     def _differs(self, problem: str) -> GameDiffers:
-        return GameDiffers(self._path, problem, "Move it away; the game then starts from the beginning")
+        return GameDiffers(self._path, problem, "Move the file away; then the game starts from the beginning")
 
 
 def _fingerprint(record: SessionRecord) -> str:

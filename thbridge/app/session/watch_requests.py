@@ -1,4 +1,4 @@
-"""Requests of watchers (researchers' windows) to the robots and about the session's pace."""
+"""Requests of watchers (researchers' windows) to the robots, the game and the session's clock."""
 
 import json
 import logging
@@ -50,13 +50,13 @@ from thbridge.timing.pacer import Pacer
 from thbridge.watching.sockets.server import SessionPace
 
 MOST_PENDING = 200
-"""Largest number of requests between two ticks; more than a person makes during a pause."""
+"""Largest number of requests between two ticks. A person never makes as many requests during a pause."""
 
 MOST_CHARACTERS = 500
-"""Largest number of characters of a name, or of a sentence in a robot's place."""
+"""Largest number of characters of a name, or of a sentence that a person writes for a robot."""
 
 WATCH_SENDER = "watch"
-"""Sender of the requests that the session makes when the last watcher has left."""
+"""Name of the sender of the requests that the session makes when the last watcher has disconnected."""
 
 SLOWEST, FASTEST = 0.01, 1000.0
 """Range of rates that can be requested, in addition to 0."""
@@ -85,7 +85,7 @@ WatchRequest: TypeAlias = (
     | WizardMove
     | WizardAdvice
 )
-"""Requests that watchers may send. The other requests belong to the game, or have another form here."""
+"""Requests that watchers may send. All other requests belong to the game, or have another form for watchers."""
 
 _GRANTED: tuple[type[WatchRequest], ...] = get_args(WatchRequest)
 
@@ -101,11 +101,11 @@ class WatchRequestHandler:
     """Handler that grants or refuses requests of watchers.
 
     Args:
-        ask: called with granted requests and the names of their senders.
+        ask: callback with the name of the sender and a granted request.
         robots: the team.
         pacer: pacer of the session.
-        granted: called with the name of a key and the granted request; None for no callback.
-        has_game: True when the game is in this session, so that a watcher can speak in a robot's place.
+        granted: callback with the name of a key and a granted request. If None, there is no callback.
+        has_game: True if the game is in this session, so that a watcher can speak for a robot.
     """
 
     def __init__(
@@ -127,7 +127,7 @@ class WatchRequestHandler:
         self._waiting = 0
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
-        """Note a tick: the session has processed the pending requests."""
+        """Record that the session has processed the pending requests in a tick."""
         self._waiting = 0
 
     def pace(self) -> SessionPace:
@@ -135,19 +135,22 @@ class WatchRequestHandler:
         return SessionPace(self._pacer.paused, self._pacer.rate, self._pacer.lag)
 
     def unwatched(self) -> None:
-        """End pause and wizard mode after the last watcher has left, so that session and robots do not wait for one."""
+        """End a pause and the wizard mode after the last watcher has disconnected.
+
+        Otherwise the session and the robots would wait for a watcher.
+        """
         self._pacer.resume()
         for robot in sorted(self._puppets):
             self._ask(WATCH_SENDER, WizardMode(robot, on=False))
         self._puppets.clear()
 
     def ask(self, watcher: str, request: Mapping[str, object], key: str = "") -> str | None:
-        """Grant a request in JSON; return None, or the reason for a refusal.
+        """Grant or refuse a request in JSON. Return None if it is granted, otherwise the reason for the refusal.
 
         Args:
             watcher: name of the connection; a request without a key may name another sender.
-            request: as `request_line` writes it.
-            key: name of the watcher's key; empty if it has none.
+            request: request in the form of `request_line`.
+            key: name of the watcher's key; empty if there is none.
         """
         said = {**request, "sender": watcher} if key else {"sender": watcher, **request}
         reason = self._ask_for(said)
@@ -168,13 +171,13 @@ class WatchRequestHandler:
         except ValueError as error:
             return str(error)
         if not isinstance(asked.request, _GRANTED):
-            return f"{name} is not allowed here"
+            return f"watchers cannot send the request {name}"
         if isinstance(asked.request, WizardRequest) and not self._has_game:
-            return "nothing can be said in a robot's place here: the game runs in another program"
+            return "you cannot speak for a robot here, because the game runs in another program"
         if len(asked.sender) > MOST_CHARACTERS:
             return f"the sender's name has more than {MOST_CHARACTERS} characters"
         if self._waiting >= MOST_PENDING:
-            return f"{MOST_PENDING} requests wait for the next tick already"
+            return f"{MOST_PENDING} requests are already waiting for the next tick"
         reason = objection(asked.request, self._robots)
         if reason is None:
             self._waiting += 1
@@ -191,17 +194,17 @@ class WatchRequestHandler:
                 self._pacer.resume()
             case SetRate(rate):
                 if rate != 0.0 and not SLOWEST <= rate <= FASTEST:
-                    return f"a rate is 0, as fast as the machine can, or from {SLOWEST:g} to {FASTEST:g}"
+                    return f"the rate must be 0 (as fast as possible), or from {SLOWEST:g} to {FASTEST:g}"
                 self._pacer.set_rate(rate)
             case Step(ticks):
                 if not 1 <= ticks <= MOST_STEPS:
-                    return f"steps are 1 to {MOST_STEPS} ticks"
+                    return f"the number of ticks must be from 1 to {MOST_STEPS}"
                 self._pacer.step(ticks)
         _log.info("a watcher requests: %s", request)
         return None
 
     def _numbered(self, request: WatchRequest) -> WatchRequest:
-        """Return the request. A goal in it always gets a new number, and the researcher becomes its owner."""
+        """Return the request. If it has a goal, the goal gets a new number, and the researcher becomes its owner."""
         match request:
             case SendGoal(_, goal):
                 return replace(request, goal=replace(goal, id=next(self._goals), owner=GoalOwner.RESEARCHER))
@@ -211,7 +214,7 @@ class WatchRequestHandler:
 
 
 def _lies_far(fields: object) -> bool:
-    """Return True when a thing's coordinates are so large that checks of its shape would overflow."""
+    """Return True if a thing's coordinates are so large that a check of its shape would overflow."""
     match fields:
         case {"thing": {**thing}}:
             return any(_is_far(thing.get(key)) for key in ("base_in_map", "footprint", "path"))
@@ -230,39 +233,39 @@ def _is_far(value: object) -> bool:
 
 
 def objection(request: WatchRequest, robots: RobotTeam) -> str | None:
-    """Return the reason, for people, why these robots cannot accept a request; None if they can.
+    """Return the reason why these robots cannot accept a request, in words for people; None if they can.
 
-    A session does not check requests, so all checks of a watcher's input are here.
+    The session does not check requests, so this function checks all requests of watchers.
     """
     if not isinstance(request, PutThing | RemoveThing | WizardMove) and not 0 <= request.robot < robots.size:
-        return f"there is no robot {request.robot}: robots count from 0 here, and there are {robots.size}"
+        return f"there is no robot with the index {request.robot}: the indices are 0 to {robots.size - 1}"
     match request:
         case SendGoal(_, goal):
             return _objection_to_pose(goal.base_in_map)
         case SimpleGoal(_, pose):
-            return "it has no pose" if pose is None else _objection_to_pose(pose)
+            return "the goal has no pose" if pose is None else _objection_to_pose(pose)
         case KidnapRobot(_, pose) | PlaceRobot(_, pose):
             return _objection_to_pose(pose)
         case InitialPose(_, pose, covariance) | SetPoseEstimate(_, pose, covariance):
             unfit = (
                 None
                 if is_covariance(covariance)
-                else "its covariance is invalid: it must be (3, 3) and positive semi-definite"
+                else "the covariance is invalid: the matrix must be (3, 3) and positive semi-definite"
             )
             return _objection_to_pose(pose) or unfit
         case VelocityCommand(_, twist):
             return None if _are_near(twist.linear, twist.angular) else "the speed is too high"
         case SetParameters(robot, values):
             if robot >= len(robots.parameters):
-                return "the software of these robots cannot be changed from here"
+                return "the parameters of these robots cannot be changed here"
             changed = Tuning(robots.parameters[robot], robots.worlds[robot]).changed(values)
             return changed.sentence if isinstance(changed, ParameterRejection) else None
         case PutThing(thing):
             return fault_of_thing(thing, FARTHEST, MOST_CHARACTERS)
         case WizardMove(text=text) if len(text) > MOST_CHARACTERS or not text.isprintable():
-            return f"a robot can say one line of at most {MOST_CHARACTERS} characters"
+            return f"the sentence of a robot must be one line of at most {MOST_CHARACTERS} characters"
         case RemoveThing(name) | CancelRequest(_, name):
-            return None if len(name) <= MOST_CHARACTERS else f"a name has at most {MOST_CHARACTERS} characters"
+            return None if len(name) <= MOST_CHARACTERS else f"a name must have at most {MOST_CHARACTERS} characters"
     return None
 
 
@@ -271,5 +274,5 @@ def _objection_to_pose(pose: Pose2) -> str | None:
 
 
 def _are_near(*numbers: float) -> bool:
-    """Return True when each number is at most `FARTHEST` from 0; NaN is not."""
+    """Return True if all numbers are at most `FARTHEST` from 0; return False if a number is NaN."""
     return all(abs(number) <= FARTHEST for number in numbers)

@@ -124,7 +124,7 @@ def test_a_strategy_that_fails_is_told_in_the_log(caplog):
         for _ in range(3):
             log.note([], [said, replace(said, fault="")])
     (told,) = [record.getMessage() for record in caplog.records]
-    assert told.endswith("chose a move by its own strategy, because that of the study failed: a str is no move")
+    assert told.endswith("chose a move by its own strategy, because the study's strategy failed: a str is no move")
 
 
 def test_a_line_of_2016_that_comes_twice_counts_once() -> None:
