@@ -1,9 +1,10 @@
-"""Attack a session on this machine, and report how it reacts: all ports, only on the loopback, with limits.
+"""Attack all ports of a session on this machine, on the loopback only and with limits, and report the reaction.
 
-Run it from the project's folder: `.venv/bin/python scripts/attack.py` (`make attack`). It starts a hunt with all ports
-open, and runs one attack after the other. Meanwhile it measures how long honest programs wait for an answer, how much
-memory and how many descriptors the session uses, and whether it still runs. Crowds and endless lines come from
-separate processes, which have all the descriptors that the system allows. The exit code is 1 if an attack succeeded.
+Run this script from the project's folder: `.venv/bin/python scripts/attack.py` (`make attack`). It starts a hunt with
+all ports open, and runs one attack after the other. During the attacks, it measures the waiting times of honest
+programs, the memory and descriptors of the session, and whether the session still runs. Attacks with many connections
+or endless lines come from separate processes, which have all the descriptors that the system allows. The exit code is 1
+if an attack succeeded.
 """
 
 import argparse
@@ -94,10 +95,9 @@ class Honest(threading.Thread):
     and a node.
 
     Attributes:
-        wait: longest time until a program was served, since `wait` was last reset, seconds.
+        wait: longest waiting time of a program since `wait` was last reset, seconds.
         slowest: program that waited longest.
-        lag: time by which the session is behind its pace, seconds; it includes time that the session will never catch
-            up.
+        lag: time by which the session is behind its pace, seconds, including time that cannot be made up.
         refused: number of connections that were closed or refused.
     """
 
@@ -112,7 +112,7 @@ class Honest(threading.Thread):
         self._station: socket.socket | None = None
 
     def run(self) -> None:
-        """Send a request to all ports ten times a second, until stopped."""
+        """Send a request to all ports ten times per second, until `stop` is called."""
         people: dict[str, Callable[[], None]] = {
             "text": self._ping,
             "a key": self._show_key,
@@ -194,7 +194,7 @@ def received(client: socket.socket) -> bytes:
 
 
 async def connections(port: int, count: int) -> list[asyncio.StreamWriter]:
-    """Open up to `count` connections; skip those that are refused."""
+    """Open up to `count` connections; ignore refused connections."""
     writers = []
     for _ in range(count):
         with contextlib.suppress(OSError):
@@ -212,8 +212,11 @@ def unchecked_tls() -> ssl.SSLContext:
 async def say(
     port: int, data: bytes, times: int = 1, count: int = 1, seconds: float = 5.0, *, encrypted: bool = False
 ) -> int:
-    """Send the same data repeatedly on some connections, until all is sent or the time is over; return the number of
-    times."""
+    """Send the same data repeatedly on some connections, until all data are sent or the time is over.
+
+    Returns:
+        How often the data were sent.
+    """
     said, tls = 0, unchecked_tls() if encrypted else None
 
     async def one() -> None:
@@ -237,7 +240,7 @@ async def say(
 
 
 async def idle(port: int, count: int) -> int:
-    """Keep connections open for a while without sending anything."""
+    """Keep connections open for 2.5 s without sending anything."""
     writers = await connections(port, count)
     await asyncio.sleep(2.5)
     for writer in writers:
@@ -246,7 +249,7 @@ async def idle(port: int, count: int) -> int:
 
 
 async def turned_away(port: int, count: int) -> int:
-    """Open connections one after the other without waiting for any of them; at most 400 are open at the same time."""
+    """Open connections one after the other without waiting for them; at most 400 are open at the same time."""
     clients = []
     for _ in range(count):
         client = socket.socket()
@@ -268,9 +271,9 @@ async def noise(port: int, draws: random.Random) -> int:
 
 
 def prepare_outside() -> None:
-    """Let this process use all descriptors that the system allows, at the lowest priority.
+    """Allow this process all descriptors that the system allows, and give it the lowest priority.
 
-    The measurement concerns the session's reaction, not the scheduling of the machine.
+    The low priority leaves processor time for the session, whose reaction is measured.
     """
     os.setpriority(os.PRIO_PROCESS, 0, 19)
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
@@ -278,7 +281,7 @@ def prepare_outside() -> None:
 
 
 def crowd(port: int, count: int, seconds: float) -> tuple[int, int]:
-    """Open many connections at once and send nothing; return how many were opened, and how many the session closed."""
+    """Open many connections and send nothing; return the numbers of opened and of closed connections."""
     made, cut = 0, 0
     with selectors.DefaultSelector() as selector:
         clients = []
@@ -315,7 +318,7 @@ def crowd(port: int, count: int, seconds: float) -> tuple[int, int]:
 
 
 def pour(port: int, begin: bytes, piece: bytes, times: int, seconds: float) -> tuple[int, int]:
-    """Send endless data on one connection; return how many pieces were accepted, and 1 if the connection was closed."""
+    """Send endless data on a connection; return the number of accepted pieces, and 1 if the connection was closed."""
     said = 0
     try:
         with socket.create_connection((HOST, port), PATIENCE) as client:
@@ -375,7 +378,7 @@ def xmlrpc_call(method: str, *arguments: str) -> bytes:
 
 
 async def subscribers(port: int, count: int) -> int:
-    """Register fake subscribers of one topic at the ROS master."""
+    """Register fake subscribers of the topic /tf at the ROS master."""
     for number in range(count):
         uri = f"http://{HOST}:{10_000 + number % 50_000}/"
         call = xmlrpc_call("registerSubscriber", f"/invented{number}", "/tf", "tf2_msgs/TFMessage", uri)
@@ -418,10 +421,10 @@ class _Planted:
 async def planted_code() -> int:
     """Plant pickles in a program's cache of compiled code.
 
-    In each round, another level of its folders is writable for others.
+    In each round, another level of the cache's folders is writable for other accounts.
 
     Raises:
-        BreachError: the program loaded one of them.
+        BreachError: the program loaded a planted pickle.
     """
     program = "import numpy; from sim.numerics.elementary_kernels import to_hypot; to_hypot(*numpy.ones((2, 1)))"
     tries = 0
@@ -469,10 +472,10 @@ def contents(folder: Path) -> dict[Path, bytes]:
 
 
 async def names_that_lead_elsewhere() -> int:
-    """Run commands with names that lead out of the folders in which the commands delete and write.
+    """Run commands with names that are paths outside the folders in which the commands delete and write.
 
     Raises:
-        BreachError: a file elsewhere, or of the study itself, was deleted or changed, or such a name was accepted.
+        BreachError: a file was deleted or changed, or a command accepted such a name.
     """
     with tempfile.TemporaryDirectory() as name:
         mine, study = Path(name, "mine"), Path(name, "study")
@@ -500,7 +503,7 @@ ODD_SWEEPS = ["[]", "[" * 100_000, '{"layout": 1}', '{"layout": 1, "design": {"l
 def write_odd_log(log: Path, content: str | None) -> None:
     """Write one event into a new log, with correct digests, chain and head.
 
-    If `content` is None, replace the table of events by an endless view.
+    If `content` is None, replace the table of events by a view with endless rows.
     """
     for path in (log, head_path(log)):
         path.unlink(missing_ok=True)
@@ -522,7 +525,7 @@ async def odd_files(place: Path) -> int:
     """Run commands on logs and on sweeps that have correct digests but invalid contents.
 
     Raises:
-        BreachError: a command did not refuse an input with a message, or never stopped reading it.
+        BreachError: a command did not refuse a file with a message, or did not end.
     """
     study, sweep = place / "study", place / "sweep"
     sweep.mkdir(parents=True)
@@ -597,8 +600,7 @@ Attack: TypeAlias = tuple[str, Callable[[], Coroutine[None, None, int]]]
 
 
 def crowds_and_floods(doors: Doors, outside: Outside, scale: int) -> Iterator[Attack]:
-    """Yield attacks on each port with thousands of connections and endless data; at scale 10, with 10,000 connections
-    and 300 MB."""
+    """Yield attacks on each port with many connections and endless data (at scale 10: 10,000 connections, 300 MB)."""
     ports = {
         "text": doors.text,
         "watch": doors.watch,
@@ -649,7 +651,7 @@ def crowds_and_floods(doors: Doors, outside: Outside, scale: int) -> Iterator[At
 
 
 def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int, folder: Path) -> list[Attack]:
-    """Return all attacks by name. `scale` 1 is quick, 10 is the original size; `folder` is that of the session."""
+    """Return all attacks with their names. Scale 1 is quick, 10 is the original size; the session runs in `folder`."""
     may_give_away = os.geteuid() == 0
     forged = b'%%error SimR Game thbridge {"kind":"Status","game":1}\n'
     surrogate = b'%%error SimR Game thbridge {"kind":"GiveUp","game":"\\ud800"}\n'
@@ -704,7 +706,7 @@ class Gauge(threading.Thread):
 
     Attributes:
         memory: greatest resident memory since `memory` was last reset, megabytes.
-        descriptors: greatest number of open files since it was last reset.
+        descriptors: greatest number of open files since `descriptors` was last reset.
     """
 
     def __init__(self, process: subprocess.Popen[bytes]) -> None:
@@ -714,7 +716,7 @@ class Gauge(threading.Thread):
         self._pid = process.pid
 
     def run(self) -> None:
-        """Sample twenty times a second while the process runs."""
+        """Take twenty samples per second while the process runs."""
         with contextlib.suppress(OSError):
             while True:
                 self.look()
@@ -761,8 +763,7 @@ class Held:
 
     @property
     def well(self) -> bool:
-        """True if the session still runs, no bound was exceeded, no honest program was refused, and the attack achieved
-        nothing that must be impossible."""
+        """True if the attack failed: the session still runs within all bounds, and has refused no honest program."""
         quick = max(self.wait, self.lag) <= WAIT_BOUND
         return self.running and not self.refused and not self.breached and quick and self.memory <= MEMORY_BOUND
 
@@ -812,7 +813,7 @@ def assault(
 
 def row(held: Held) -> str:
     """Return a line of the table."""
-    outcome = "held" if held.well else "ENDED" if not held.running else "GAVE WAY"
+    outcome = "attack failed" if held.well else "SESSION ENDED" if not held.running else "ATTACK SUCCEEDED"
     return (
         f"{held.attack:<45} {held.tries:>7} {1000 * held.wait:>7.0f} ms {held.slowest:<8} {1000 * held.lag:>6.0f} ms "
         f"{held.refused:>7} {held.cut:>6} {held.memory:>+7.0f} MB {held.descriptors:>5}  {outcome}"
@@ -859,7 +860,7 @@ def main() -> int:
                     print(output.read_text())
                     return 1
                 time.sleep(0.1)
-            titles = f"{'wait':>10} {'of':<8} {'lag':>9} {'refused':>7} {'cut':>6} {'memory':>10} {'files':>5}"
+            titles = f"{'wait':>10} {'client':<8} {'lag':>9} {'refused':>7} {'closed':>6} {'memory':>10} {'files':>5}"
             print(f"{'attack':<45} {'tries':>7} {titles}  outcome")
             held = assault(doors.with_node(), session, given.seed, given.scale, given.only, folder)
         finally:
@@ -871,7 +872,7 @@ def main() -> int:
         recorded = parts > 1 and not list(folder.glob("*.active"))
     traceback = "Traceback" in text
     whole = f"complete, in {parts} parts" if recorded else "NOT complete"
-    print(f"The recording is {whole}; {'a TRACEBACK' if traceback else 'no traceback'}.")
+    print(f"The recording is {whole}. The session printed {'a TRACEBACK' if traceback else 'no traceback'}.")
     if traceback:
         print(text[text.index("Traceback") - 500 :][:3000])
     if not all(each.running for each in held):

@@ -1,9 +1,9 @@
-"""Check the pins of requirements.lock against known vulnerabilities: advisories in OSV's format, from PyPA or GitHub.
+"""Check the pinned versions in requirements.lock for known vulnerabilities: advisories in OSV's format (PyPA, GitHub).
 
-Run it from the project's folder: `.venv/bin/python scripts/audit_lock.py [FOLDER]`. Without a folder it fetches PyPA's
-database with git, and keeps it for later runs. No data about the pins leave the machine. It prints a line for each
-advisory that concerns a pin, and the age of the database, which does not contain later advisories. The exit code is 1
-if a pin is affected, and 2 if there is no database or no pin to check.
+Run this script from the project's folder: `.venv/bin/python scripts/audit_lock.py [FOLDER]`. Without a folder, it
+fetches PyPA's database with git, and keeps the database for later runs. No data about the pins leave the machine. The
+script prints a line for each advisory about a pinned version, and the date of the database's newest advisory. The exit
+code is 1 if a pinned version is affected, and 2 if there is no database or no pin to check.
 """
 
 import argparse
@@ -28,18 +28,18 @@ DATABASE = "https://github.com/pypa/advisory-database"
 PIN = re.compile(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)", re.MULTILINE)
 SUFFIXES = {".yaml", ".yml", ".json"}
 EVERY = Version("0.dev0")
-"""Version that OSV writes as 0; it precedes all other versions."""
+"""Version that OSV writes as 0, which is earlier than all other versions."""
 
 
 @dataclass(frozen=True)
 class Concern:
-    """Advisory that concerns a pin.
+    """Advisory about a pinned version.
 
     Attributes:
         name: name of the package.
         version: pinned version.
-        names: names of the advisory, its own first.
-        summary: one line of its text.
+        names: names of the advisory: its id, then its aliases.
+        summary: first line of the advisory's text.
         fixed: versions in which the vulnerability is fixed.
     """
 
@@ -55,10 +55,10 @@ class Audit:
     """Result of checking a lock against a database.
 
     Attributes:
-        concerns: advisories that concern pins, by package.
+        concerns: advisories about pinned versions, sorted by package.
         read: number of advisories that name a pinned package.
         unreadable: files that are not advisories.
-        newest: date of the latest change to an advisory in the database, ISO 8601; "" if there is none.
+        newest: date of the latest change to an advisory in the database, ISO 8601; "" if there are no advisories.
     """
 
     concerns: tuple[Concern, ...]
@@ -114,8 +114,10 @@ def _concerns(advisory: Mapping[str, object], pins: Mapping[str, str]) -> Iterat
 
 
 def within(version: str, found: Mapping[str, object]) -> bool:
-    """Return True if a version is in a range of OSV. A range is a list of events, sorted by version; each starts or
-    ends an affected part."""
+    """Return True if a version is in a range of OSV, which is a list of events.
+
+    When the events are sorted by version, each event starts or ends an affected part.
+    """
     at, affected = Version(version), False
     for turn, event in sorted((_turn(event) for event in found["events"]), key=lambda it: it[0]):
         if turn > at or (turn == at and event == "last_affected"):
@@ -133,7 +135,7 @@ def _turn(event: Mapping[str, object]) -> tuple[Version, str]:
 
 
 def fetched(kept: Path) -> Path:
-    """Fetch PyPA's database, or its updates; return its folder. End the program if that fails."""
+    """Fetch PyPA's database, or its updates; return its folder. End the program if fetching fails."""
     if (kept / ".git").is_dir():
         command = ["git", "-C", kept, "pull", "--quiet", "--ff-only", "--depth", "1"]
     else:
@@ -141,7 +143,7 @@ def fetched(kept: Path) -> Path:
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         print(f"The database cannot be fetched: {done.stderr.strip()}", file=sys.stderr)
-        print("Name the folder of a copy: make audit DB=FOLDER", file=sys.stderr)
+        print("Write the folder of a copy of the database: make audit DB=FOLDER", file=sys.stderr)
         sys.exit(2)
     return kept / "vulns"
 
@@ -161,7 +163,7 @@ def main() -> None:
         print(f"Nothing was checked: {what}.", file=sys.stderr)
         sys.exit(2)
     for file in result.unreadable:
-        print(f"ignored, because it is not an OSV advisory: {file}", file=sys.stderr)
+        print(f"{file} is ignored, because it is not an OSV advisory.", file=sys.stderr)
     if result.concerns:
         table = Table("pin", "advisory", "fixed in", "summary")
         for found in result.concerns:
@@ -169,7 +171,8 @@ def main() -> None:
             table.add_row(f"{found.name}=={found.version}", names, fixed, found.summary[:200])
         Console(markup=False).print(table)
     print(
-        f"{len(pins)} pins, {result.read} advisories about them, {len(result.concerns)} concern a pinned version. "
+        f"{len(pins)} pins; {result.read} advisories name their packages; {len(result.concerns)} concern a pinned "
+        "version. "
         f"The database's newest advisory is from {result.newest}."
     )
     sys.exit(1 if result.concerns else 0)

@@ -1,7 +1,7 @@
 """Compare the abstract hunt with simulated robots: the same policies in the same games.
 
-Run it from the project's folder. The first command plays the games of one policy in both environments, which takes
-about two seconds per game. The second writes the tables of docs/how-to/learning.md:
+Run these commands from the project's folder. The first plays the games of one policy in both environments, which takes
+about two seconds per game. The second prints the tables of docs/how-to/learning.md:
 
     .venv/bin/python scripts/compare_abstract_hunt.py play cheapest --to games
     .venv/bin/python scripts/compare_abstract_hunt.py table games

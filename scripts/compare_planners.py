@@ -1,8 +1,8 @@
 """Compare the planners of a team on random hunts: rooms visited, and energy of all moves.
 
-Run it from the project's folder: `.venv/bin/python scripts/compare_planners.py`. A planner's plan is best if it visits
-as many rooms as the exact joint plan for as much energy. If there are too many rooms for the exact plan, the last
-column is empty, and `search` is the joint plan. Writes a Markdown table.
+Run this script from the project's folder: `.venv/bin/python scripts/compare_planners.py`. It prints a Markdown table. A
+plan counts as best if it visits the same number of rooms as the exact joint plan, with the same energy. If there are
+too many rooms for the exact plan, the last column is empty, and `search` is the joint plan.
 """
 
 import argparse
@@ -25,8 +25,7 @@ LARGE = 30
 
 
 def value(tours: Sequence[Tour]) -> tuple[int, float]:
-    """Return the number of rooms visited and the energy of all moves, rounded to remove floating-point errors of
-    sums."""
+    """Return the number of rooms visited, and the energy of all moves without floating-point errors of the sum."""
     return sum(len(tour.rooms) for tour in tours), round(sum(tour.cost for tour in tours), 6)
 
 
@@ -39,7 +38,7 @@ def main() -> None:
     planners["search"] = lambda costs, starts, unvisited, visit=0.0, sent=-1: search_team_tours(
         costs, starts, unvisited, visit
     )
-    print("| rooms | robots | energy each | planner | rooms visited | energy | seconds, longest | best plans |")
+    print("| rooms | robots | energy of each | planner | rooms visited | energy used | longest time, s | best plans |")
     print("|---|---|---|---|---|---|---|---|")
     for rooms, robots, energy in HUNTS:
         exact = rooms <= most_rooms_shared_out(robots)

@@ -1,11 +1,11 @@
-"""Compare the speed of a team with IR-SIM: simulated seconds per processor second, in one run.
+"""Compare the speed of a simulated team with IR-SIM: simulated seconds per processor second, in one run.
 
-Run it from the project's folder, with the Python of an environment in which `pip install ir-sim==2.12.0` was run:
-`.venv/bin/python scripts/compare_simulators.py --ir-sim /tmp/ir-sim/bin/python [--robots 1 10 50]`.
+Run this script from the project's folder. Name the Python of an environment in which `pip install ir-sim==2.12.0` was
+run: `.venv/bin/python scripts/compare_simulators.py --ir-sim /tmp/ir-sim/bin/python [--robots 1 10 50]`.
 
-Both drive the same number of robots with differential drive in the same hall, with lasers of 360 beams and a range of
-10 m. IR-SIM runs at 10 Hz: bodies, lasers, collisions and a straight drive to goals. Our simulator moves bodies at 50
-Hz, and each robot also localizes itself, keeps costmaps, plans, and avoids the other robots.
+Both simulators drive the same number of robots with differential drive in the same hall, with lasers of 360 beams and a
+range of 10 m. IR-SIM runs at 10 Hz: bodies, lasers, collisions and a straight drive to goals. Our simulator moves
+bodies at 50 Hz, and each robot also localizes itself, keeps costmaps, plans, and avoids the other robots.
 """
 
 import argparse
@@ -116,7 +116,7 @@ def own(robots: int) -> float:
 
 
 def main() -> None:
-    """Print the best of some alternating runs."""
+    """Print the best of several runs of each simulator, which alternate."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--ir-sim", required=True, help="Python of an environment with IR-SIM")
     parser.add_argument("--robots", type=int, nargs="+", default=[1, 2, 5, 10, 20, 50])

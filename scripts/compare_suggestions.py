@@ -1,10 +1,10 @@
 """Compare the planners with which robots advise a person, in whole games.
 
-Run it from the project's folder: `.venv/bin/python scripts/compare_suggestions.py`. Programs play whole games by the
-rules, without a simulator. A robot drives for about as many seconds as the move costs, identifies what it finds, asks
-where to go, and goes there; sometimes the person chooses another affordable room instead. Moves have the costs of
-arena8, from the start poses and between rooms. All planners play the same games, drawn by their seeds. Writes a
-Markdown table: rooms visited, and energy left to the whole team.
+Run this script from the project's folder: `.venv/bin/python scripts/compare_suggestions.py`. It prints a Markdown table
+of rooms visited and energy left to the whole team. Programs play whole games by the rules, without a simulator. The
+seconds of a drive are about equal to its energy cost. A robot identifies each treasure that it finds, and asks for the
+next room. The person usually follows the suggestion, but sometimes chooses another affordable room. Moves have the
+costs of arena8, from the start poses and between rooms. All planners play the same games with the same seeds.
 """
 
 import argparse
@@ -64,7 +64,7 @@ def play(
     for robot, row in enumerate(from_starts):
         state = _after(state, rules.price(state, robot, row))
     durations, whims = noise.key(seed, "durations"), noise.key(seed, "whims")
-    # Time at which each robot can be sent, and its number.
+    # For each robot: the time at which it can be sent, and its index.
     free = [(noise.uniform(durations, 0, robot), robot) for robot in range(robots)]
     heapq.heapify(free)
     sent = 0
@@ -78,7 +78,7 @@ def play(
             state = _after(state, rules.leave(state, going) if isinstance(named, RequestRefused) else named)
         advice = adviser.advise(state, (), robot)
         if isinstance(advice, RequestRefused):
-            # From now on, the robot can go nowhere: neither the number of free rooms nor its energy ever increases.
+            # From now on, the robot cannot move: the number of free rooms and the robot's energy never increase.
             continue
         room = advice.room
         sent += 1
@@ -105,7 +105,7 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--games", type=int, default=500, help="games of each kind (default: 500)")
     games: int = arguments.parse_args().games
-    print(f"| robots | energy each | follows | {' | '.join(TeamPlanner)} |")
+    print(f"| robots | energy of each | suggestions followed | {' | '.join(TeamPlanner)} |")
     print("|---|---|---|" + "---|" * len(TeamPlanner))
     for robots, energy, follows in itertools.product((2, 3), (30.0, 45.0, 60.0, 80.0, 100.0), (1.0, 0.7)):
         setting = read_setting(Study(robots=robots, game=GameSection(cost_model=CostModel.POSITION)), Path())

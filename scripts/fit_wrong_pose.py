@@ -1,10 +1,11 @@
 """Fit the probability that a pose is wrong (`sim.robot.localization.wrong_pose`) to simulated runs, and check it.
 
-Run it from the project's folder after each change of a filter: `.venv/bin/python scripts/fit_wrong_pose.py`. It
-simulates robots in two maps for some seeds, with each trouble of `tests/bench/robots/troubled_runs.py`, kidnapped, with
-a wrong first pose, or without trouble. Both filters follow them. A logistic regression is fitted to the evidence of
-each filter, and written to `sim/robot/localization/wrong_pose_coefficients.py`. For further seeds it prints the share
-of wrong poses among the updates that report p. Simulated runs do not depend on the filter, and are kept in --runs.
+Run this script from the project's folder after each change of a filter: `.venv/bin/python scripts/fit_wrong_pose.py`.
+For some seeds, it simulates robots on two maps: with each disturbance of `tests/bench/robots/troubled_runs.py`,
+kidnapped, with a wrong first pose, and without disturbance. Both filters localize these robots. A logistic regression
+is fitted to the evidence of each filter, and written to `sim/robot/localization/wrong_pose_coefficients.py`. For
+further seeds, the script prints the share of wrong poses among the updates that report p. Simulated runs do not depend
+on the filter. They are stored in the folder of --runs.
 """
 
 import argparse
@@ -29,13 +30,13 @@ MODELS: dict[str, tuple[str, type[ParticleEvidence] | type[GaussianEvidence]]] =
     "amcl": ("PARTICLES", ParticleEvidence),
     "ekf": ("GAUSSIANS", GaussianEvidence),
 }
-"""By localizer: name of the coefficients, and type of their evidence."""
+"""Name of the coefficients and type of the evidence, for each localizer."""
 HELD_OUT = 100
 """First of the seeds that are used only for checking."""
 RIDGE = 1.0
 """Weight of the squared coefficients.
 
-It keeps them finite if one kind of evidence alone separates right from wrong poses.
+It keeps the coefficients finite if one kind of evidence alone separates right from wrong poses.
 """
 STEPS = 50
 
@@ -122,7 +123,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=8, help="number of seeds for fitting")
     parser.add_argument("--check", type=int, default=8, help="number of further seeds for checking")
     parser.add_argument("--runs", type=Path, default=Path("/tmp/thbridge-wrong-pose"), help="folder of simulated runs")
-    parser.add_argument("--jobs", type=int, default=1, help="processes")
+    parser.add_argument("--jobs", type=int, default=1, help="number of processes")
     parser.add_argument("--only-check", action="store_true", help="check the current coefficients, and write nothing")
     given = parser.parse_args()
     fit_seeds = [] if given.only_check else range(1, given.seeds + 1)

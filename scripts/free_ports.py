@@ -1,4 +1,4 @@
-"""Ports of this machine for a script's programs."""
+"""Free ports of this machine, for the programs that a script starts."""
 
 import socket
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Installs the programs that tests/peers uses. MAVLink clients, evo, roslibpy and Node.js are installed into .peers, with the
 # hashes in scripts/peers. The real ROS 1 tools, Java for the clients of 2016, and R for the scripts of exports (53 MB) are Debian
-# packages, which only root can install. A test is skipped with a message if its program is missing; nothing else needs the
+# packages, which only root can install. If a program is missing, its test is skipped with a message. Only tests need these
 # programs. This script requires .venv (make setup).
 set -uo pipefail
 cd "$(dirname "$0")/.."
 . scripts/packages.sh
 
-# Each of these programs has its own environment, with only the packages that it needs without a screen.
+# Each of these programs has its own environment, with the packages that the program needs without a screen.
 for client in mavsdk mavproxy dronekit evo roslibpy node; do
     there=.peers/$client
         # An environment works only with the Python that created it.
@@ -21,7 +21,7 @@ for client in mavsdk mavproxy dronekit evo roslibpy node; do
             -r scripts/peers/$client.txt; then
         echo "$wanted" >$there/installed
     else
-        echo "It could not be installed; the tests that need it will be skipped." >&2
+        echo "$client could not be installed. The tests that need $client will be skipped." >&2
     fi
 done
 
@@ -34,7 +34,7 @@ if [ -x .peers/node/bin/python ] && [ "$(cat $scripts/installed 2>/dev/null)" !=
         mkdir -p $scripts && cp scripts/peers/node/package*.json $scripts &&
         "$node/bin/node" --use-system-ca "$node/lib/node_modules/npm/bin/npm-cli.js" ci --prefix $scripts --no-audit --no-fund --ignore-scripts --loglevel=error &&
         ln -sfn "$node/bin/node" $scripts/node && echo "$wanted" >$scripts/installed ||
-        echo "They could not be installed; the tests that need them will be skipped." >&2
+        echo "The packages for Node.js could not be installed. The tests that need them will be skipped." >&2
 fi
 
 # All packages that tests execute, import or load, and packages with ROS messages; apt finds further dependencies.
@@ -63,8 +63,8 @@ if [ -n "$missing" ]; then
     echo "Installing for tests/peers:$missing"
     if ! apt-get update -q ||
         ! DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing >/dev/null; then
-        echo "They could not all be installed; the tests that need them will be skipped." >&2
+        echo "Some of these packages could not be installed. The tests that need them will be skipped." >&2
         exit 0
     fi
 fi
-scripts/install_ros_messages.sh || echo "Our message types could not be installed in ROS; the tests that need them will be skipped." >&2
+scripts/install_ros_messages.sh || echo "Our message types could not be installed in ROS. The tests that need them will be skipped." >&2

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs the message types of our bags in an existing ROS 1, so that `rosbag check`, `rostopic echo` and rqt handle them
-# like other types. The packages are in PREFIX/share. Their Python classes, made by ROS's generator, are where Debian's Python
-# finds them. The packages are thbridge_msgs and, if ROS has no mavros, mavros_msgs with the two messages that we record.
+# like other types. The packages are thbridge_msgs and, if ROS has no mavros, mavros_msgs with the two messages that we
+# record. The packages are installed in PREFIX/share. ROS's generator makes their Python classes, where Debian's Python finds
+# them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,9 +1,9 @@
 """Learn in the abstract hunt which room each robot visits next, and draw the learning curve.
 
-Run it from the project's folder: `.venv/bin/python scripts/learn_rooms.py`. The learner is REINFORCE (Williams, Simple
-statistical gradient-following algorithms, 1992) with a table of preferences for the next room by robot and place, and
-the mean of each batch as its baseline. The return is the score. It learns from several random seeds; the table of the
-first is saved as `table.npy`, all curves as `curve.csv` and `curve.svg`.
+Run this script from the project's folder: `.venv/bin/python scripts/learn_rooms.py`. The learner is REINFORCE
+(Williams, Simple statistical gradient-following algorithms, 1992) with a table of preferences for the next room by
+robot and place, and the mean of each batch as its baseline. The return is the score. Several learners have different
+random seeds. The table of the first learner is saved as `table.npy`, all curves as `curve.csv` and `curve.svg`.
 """
 
 import argparse
@@ -56,7 +56,7 @@ def mean_score(env: AbstractHuntEnv, policy: Policy, games: int) -> float:
 
 
 def draw(curves: NDArray[np.float64], levels: dict[str, float], file: Path) -> None:
-    """Draw the (learners, batches) mean scores and those of other policies."""
+    """Draw the (learners, batches) mean scores, and the mean scores of other policies."""
     matplotlib.rcParams["svg.hashsalt"] = "thbridge"
     figure = matplotlib.figure.Figure(figsize=(6.0, 3.4), layout="constrained")
     axes = figure.subplots()
@@ -96,7 +96,7 @@ def main() -> None:
     levels = {"cheapest": mean_score(env, CheapestPolicy(), 1000), "random": mean_score(env, RandomPolicy(), 1000)}
     draw(curves, levels, arguments.to / "curve.svg")
     final = [mean_score(env, TablePolicy(table), 1000) for table, _ in learned]
-    print(f"mean score in 1000 other games: {', '.join(f'{each:.1f}' for each in final)}; {levels}")
+    print(f"mean score of each learner in 1000 other games: {', '.join(f'{each:.1f}' for each in final)}; {levels}")
 
 
 if __name__ == "__main__":

@@ -1,13 +1,13 @@
-"""Run a session or a text server for a simulated day with all kinds of clients, and report what has grown.
+"""Run a session or a text server for a simulated day with all kinds of clients, and report which resources have grown.
 
-Run it from the project's folder. `make long-run` (`scripts/long_run.py session`) starts `thbridge play` on a virtual X
-server, with a participant's window. It connects a simulated participant who plays repeatedly, a researcher's watcher,
-a ROS node and a MAVLink station, each a separate program; other programs connect and leave. `server` starts
-`thbridge server`, `simr` and `hider`, where the same participant plays short games one after the other.
+Run this script from the project's folder. `make long-run` (`scripts/long_run.py session`) starts `thbridge play` on a
+virtual X server, with a participant's window. It connects a simulated participant who plays repeatedly, a researcher's
+watcher, a ROS node and a MAVLink station, each in a separate program. Short-lived programs connect and leave. `server`
+starts `thbridge server`, `simr` and `hider`; the simulated participant plays short games there.
 
-Samples of memory, descriptors, threads, processor time, files and waits are written to FOLDER/samples.csv;
-`plot SAMPLES --to PICTURE` draws them. All three print the growth after a warm-up, and exit with 1 if it exceeds its
-bound. The window's game is started with a key press by `xdotool`; `make peers` installs it and Xvfb.
+Samples of memory, descriptors, threads, processor time, files and waiting times are written to FOLDER/samples.csv;
+`plot SAMPLES --to PICTURE` draws them. All three commands print the growth after a warm-up, and exit with 1 if a growth
+exceeds its bound. `xdotool` starts the window's game by a key press; `make peers` installs xdotool and Xvfb.
 """
 
 import argparse
@@ -54,12 +54,13 @@ game:
 """
 """Study of the run.
 
-Finished parts of 200 MB are removed. Stations use wall time, in which a simulated hour takes only some minutes.
+The bag has parts of 200 MB, so that finished parts can be removed. The limit of `lost_after` is long, because stations
+use wall time, in which a simulated hour takes only some minutes.
 """
 
 
 class Running:
-    """Programs of a run, which end with it.
+    """Programs of a run, which end when the run ends.
 
     Args:
         folder: folder of the run, in which programs run and write their output.
@@ -204,7 +205,7 @@ def sample_until(
     row: Mapping[str, float] = sampler.sample()
     while time.monotonic() - began < given.minutes * 60 and row["sim_s"] < given.hours * 3600:
         if program.poll() is not None:
-            raise RuntimeError("the program ended early; see its output")
+            raise RuntimeError("the program ended too early; see its output in the folder of the run")
         visitors.visit()
         time.sleep(VISITS)
         if time.monotonic() - sampled >= given.every:
@@ -234,14 +235,14 @@ def main() -> int:
         runs.add_argument(
             "--energy", type=float, default=energy, help="energy of a robot; less energy makes games shorter"
         )
-        runs.add_argument("--hours", type=float, default=24.0, help="simulated")
+        runs.add_argument("--hours", type=float, default=24.0, help="simulated hours")
         runs.add_argument("--minutes", type=float, default=1000.0, help="greatest wall time, minutes")
         runs.add_argument("--every", type=float, default=30.0, help="seconds of wall time between two samples")
         runs.add_argument("--folder", type=Path, default=Path("long-run"))
         runs.add_argument("--to", type=Path, help="picture file for the curves")
         if kind == "server":
             runs.add_argument(
-                "--rate", type=float, default=10000.0, help="greatest number of simulated seconds per second"
+                "--rate", type=float, default=10000.0, help="greatest number of simulated seconds per real second"
             )
     drawn = kinds.add_parser("plot")
     drawn.add_argument("samples", type=Path)

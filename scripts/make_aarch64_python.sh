@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-folder=$(realpath -m "${1:?name a folder, some 2 GB}")
+folder=$(realpath -m "${1:?Write the name of a folder; it needs about 2 GB}")
 pip=$PWD/.venv/bin/python
 if ! "$pip" -m pip --version >/dev/null 2>&1; then
     pip=$folder/pip/bin/python
@@ -25,7 +25,7 @@ apt-get "${foreign[@]}" update
 for package in "$folder"/debs/*.deb; do dpkg -x "$package" "$folder/root"; done
 for package in "$folder"/emulator/*.deb; do dpkg -x "$package" "$folder/emulator"; done
 
-# Only the project's own dependencies, without tools; the lock determines the versions.
+# Use only the project's own dependencies, without tools. The lock file determines their versions.
 .venv/bin/python - >"$folder/wanted.txt" <<'PYTHON'
 import tomllib
 from pathlib import Path

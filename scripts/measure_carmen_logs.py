@@ -1,11 +1,12 @@
 """Measure the localizer on recordings of real robots: CARMEN logs with corrected poses, from public collections.
 
-Run it from the project's folder: `.venv/bin/python scripts/measure_carmen_logs.py LOGS --to FOLDER`, where LOGS is a
-folder of `*-corrected.log.gz`. Such a log has the laser's poses as a mapper found them and, between two scans, the
-wheel motion since the first of them. The sum of these motions is the wheel odometry with all its drift. Every other
-scan is used to draw the map. On this map, `thbridge localize` localizes all scans, from the start pose and from
-anywhere, and the paths are drawn on the map. Writes Markdown tables: how far the localizer is from the mapper's poses,
-and how often it is wrong when it reports a probability of that. Logs without odometry between scans are skipped.
+Run this script from the project's folder: `.venv/bin/python scripts/measure_carmen_logs.py LOGS --to FOLDER`, where
+LOGS is a folder of `*-corrected.log.gz`. These logs have the laser's poses as found by a mapping program and, between
+two scans, the wheel motion since the first of the two scans. The sum of these motions is the wheel odometry with all
+its drift. A map is drawn from every second scan. On this map, `thbridge localize` localizes all scans, with a known and
+with an unknown start pose, and draws the paths. The script prints Markdown tables with the localizer's distances from
+the mapping program's poses, and with its reported probabilities of a wrong pose and the shares of wrong poses. Logs
+without odometry between scans are skipped.
 
 Source: CARMEN's log format (FLASER and ODOM).
 """
@@ -32,7 +33,7 @@ from tests.bench.robots.wrong_pose_runs import HEAD, UpdateRow, calibration, is_
 
 RESOLUTION = 0.05
 LONGEST = 25.0
-"""Range in meters from which a beam counts as having hit nothing."""
+"""Range in meters; a beam with at least this range has hit nothing."""
 SPEED = 0.5
 """Speed in meters per second that is assumed for logs without times."""
 STORE = get_typestore(Stores.ROS1_NOETIC)
@@ -45,7 +46,7 @@ class LoggedScan:
 
     Attributes:
         ranges: (n,) meters, from right to left over half a circle.
-        laser_in_map: pose of the laser found by the mapper.
+        laser_in_map: pose of the laser, found by the mapping program.
         laser_in_odom: pose of the laser from wheel odometry alone.
         seconds: time since the beginning, seconds.
     """
@@ -68,7 +69,7 @@ def scans_of(log: Path) -> list[LoggedScan]:
             count = int(words[1])
             here = Pose2(*map(float, words[2 + count : 5 + count]))
             odom = odom.compose(way)
-            # In some logs, times decrease or are all equal. Only the path is important here.
+            # In some logs, times decrease or are all equal, so times are computed from the path.
             driven += math.hypot(way.x, way.y) + 0.2 * abs(way.theta)
             ranges = np.array(words[2 : 2 + count], dtype=np.float64)
             scans.append(LoggedScan(ranges, here, odom, driven / SPEED + 0.25 * len(scans)))
@@ -91,9 +92,10 @@ def directions(count: int) -> FloatArray:
 
 
 def draw_map(scans: list[LoggedScan], folder: Path) -> Path:
-    """Draw a map from scans at the mapper's poses.
+    """Draw a map from scans at the mapping program's poses.
 
-    A cell belongs to a wall if more beams end in it than pass through it.
+    A cell belongs to a wall if the number of beams that end in it is at least a third of the number of scans that see
+    it.
     """
     ends = [_ends(scan) for scan in scans]
     low = np.min([each.min(axis=0) for each, _ in ends if len(each)], axis=0) - 1.0
@@ -186,12 +188,12 @@ def _odometry(number: int, stamp: int, scan: LoggedScan) -> object:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """Distances between the localizer's poses and the mapper's.
+    """Distances between the localizer's poses and the mapping program's poses.
 
     Attributes:
         errors: (n,) distance at each update, meters.
-        lost: (n,) flag at each update, True if the localizer reported to be lost.
-        updates: updates, each with the reported probability that the pose is wrong, and True if it is wrong.
+        lost: (n,) flag of each update, 1 if the localizer reported that it is lost, otherwise 0.
+        updates: updates, each with the reported probability that the pose is wrong, and True if the pose is wrong.
     """
 
     errors: FloatArray
@@ -211,7 +213,7 @@ class Measured:
 
 
 def localized(bag: Path, place: Path, scans: list[LoggedScan], folder: Path, *, known: bool) -> Measured:
-    """Localize a bag with the command line."""
+    """Localize a bag with `thbridge localize`, with a known or an unknown start pose."""
     name = "start" if known else "anywhere"
     start = scans[0].laser_in_map
     begin = ["--initial-pose", f"{start.x}", f"{start.y}", f"{start.theta}"] if known else ["--global"]
@@ -241,7 +243,10 @@ def main() -> None:
     parser.add_argument("--to", type=Path, required=True, help="folder for maps, bags and pictures")
     parser.add_argument("--only", default="", help="use only logs with this text in their name")
     given = parser.parse_args()
-    print("| log | distance, m | start | updates | found at | mean, cm | 95 %, cm | most, cm | lost | wrong and sure |")
+    print(
+        "| log | distance, m | start | updates | found at update | mean error, cm | 95 %, cm | largest, cm | lost "
+        "| wrong, not lost |"
+    )
     print("|---|---|---|---|---|---|---|---|---|---|")
     runs = []
     for log in sorted(given.logs.glob("*.log.gz")):

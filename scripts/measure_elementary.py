@@ -1,8 +1,8 @@
 """Compare the elementary functions with mpmath and libm: greatest errors, and cost per call.
 
-Run it from the project's folder: `.venv/bin/python scripts/measure_elementary.py [--count N]`. Arguments are drawn from
-the ranges in the table, a third each. Errors are in units in the last place of the exact result. Costs are nanoseconds
-per call in a compiled loop, next to those of the machine's libm function of the same name.
+Run this script from the project's folder: `.venv/bin/python scripts/measure_elementary.py [--count N]`. Arguments are
+random; a third of them comes from each range in the table. Errors are in units in the last place of the exact result.
+Costs are nanoseconds per call in a compiled loop, next to the cost of the libm function with the same name.
 """
 
 import argparse
@@ -64,7 +64,7 @@ def worst(name: str, part: int, seed: int, count: int) -> float:
 
 
 def cost(function: Callable[..., float], name: str) -> float:
-    """Return the nanoseconds per call: the least value of some rounds with a million arguments each."""
+    """Return the nanoseconds per call: the least value of seven rounds, each with a million arguments."""
     if name in PAIRS:
 
         @njit(cache=False)

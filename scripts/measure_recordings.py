@@ -1,8 +1,8 @@
 """Measure the size of recordings of waiting teams and of teams in a hunt, by topic, uncompressed and compressed.
 
-Run it from the project's folder: `.venv/bin/python scripts/measure_recordings.py`. Each session is recorded twice at
-the same time: complete and uncompressed, and with the defaults of studies. Writes Markdown tables. The size of a topic
-in a compressed bag is measured with a bag that contains only that topic.
+Run this script from the project's folder: `.venv/bin/python scripts/measure_recordings.py`. It prints Markdown tables.
+Each session is recorded in two bags: complete and uncompressed, and with the defaults of studies. The size of a topic
+in a compressed bag is the size of a bag that contains only this topic.
 """
 
 import argparse
@@ -42,7 +42,7 @@ class Recorded:
 
 
 def record(folder: Path, study: Study, seconds: float, busy: bool) -> Recorded:
-    """Record a session; a simulated participant sends a busy team through the rooms."""
+    """Record a session. If the team is busy, a simulated participant sends its robots through the rooms."""
     setting = read_setting(study, Path())
     player = TabUI(build_bot(setting.templates, study.participant.strategy, study.seed)) if busy else None
     bags = Recorded(folder / f"whole-{study.robots}-{busy}.bag", folder / f"default-{study.robots}-{busy}.bag")
@@ -58,7 +58,7 @@ def record(folder: Path, study: Study, seconds: float, busy: bool) -> Recorded:
 
 
 def by_topic(bags: Recorded, folder: Path) -> list[tuple[str, int, int]]:
-    """Return the topics of all robots together, with their sizes in bytes: uncompressed, and with the defaults."""
+    """Return the topics, each for all robots together, with its sizes in bytes: uncompressed, and with the defaults."""
     of_all: defaultdict[str, list[str]] = defaultdict(list)
     for topic in info(bags.whole).topics:
         head, _, rest = topic.name.removeprefix("/").partition("/")
@@ -104,7 +104,7 @@ def main() -> None:
     parser.add_argument("--robots", type=int, nargs="+", default=[1, 3, 10], help="team sizes")
     parser.add_argument("--map", default="arena8")
     parser.add_argument("--seconds", type=float, default=60.0, help="simulated time of each recording, seconds")
-    parser.add_argument("--topics-of", type=int, default=3, help="team size for the list of topics")
+    parser.add_argument("--topics-of", type=int, default=3, help="size of the team whose topics are listed")
     chosen = parser.parse_args()
     show(chosen.robots, chosen.map, chosen.seconds, chosen.topics_of)
 

@@ -1,9 +1,9 @@
 """Measure the processor time of sweeps, compared with `thbridge play`; docs/reference/benchmarks.md has the figures.
 
-Run it from the project's folder: `.venv/bin/python scripts/measure_sweeps.py`. It plays 1000 short games of two robots
-with two processes, the same number on a Dask cluster with two workers, one of them killed halfway, and a fifth of them
-with one process. It compares all results, and measures the cost of a chunk for a scheduler. For a quick try, use
-`--games 40`. The exit code is 1 if results differ.
+Run this script from the project's folder: `.venv/bin/python scripts/measure_sweeps.py`. It plays 1000 short games of
+two robots with two processes, and the same games on a Dask cluster with two workers; one worker is killed halfway. It
+also plays a fifth of these games with one process. Then it compares all results, and measures the cost of a chunk for a
+scheduler. For a quick try, use `--games 40`. The exit code is 1 if results differ.
 """
 
 import argparse
@@ -52,7 +52,7 @@ def run(*words: str | Path) -> None:
 
 
 def cpu_of(action: Callable[[], object]) -> tuple[float, float]:
-    """Return the processor time of all processes that an action starts, and the duration of the action, seconds."""
+    """Run an action; return the processor time of all processes that it starts, and its duration, in seconds."""
     before, began = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
     action()
     wall = time.monotonic() - began
@@ -66,7 +66,7 @@ def cpu_of(action: Callable[[], object]) -> tuple[float, float]:
 
 
 def table(root: Path) -> pa.Table:
-    """Return all columns that do not vary from run to run."""
+    """Return the table of a sweep without the columns that vary from run to run."""
     return collect(root).drop_columns(list(VARYING))
 
 
@@ -105,12 +105,11 @@ def play_on_cluster(folder: Path, games: int) -> None:
             time.sleep(0.05)
         os.kill(workers[0], signal.SIGKILL)
         if sweep.wait():
-            sys.exit("the sweep on the cluster failed")
+            sys.exit("The sweep on the cluster failed.")
 
 
 def empty_tasks(engine: Engine, folder: Path) -> tuple[float, float]:
-    """Run tasks whose results already exist; return the wall time and this process's processor time per task,
-    seconds."""
+    """Run tasks whose results already exist. Return wall time and processor time of this process per task, seconds."""
     design = read_design(folder / "design.yaml")
     (task, *_) = tasks_of(design, open_folder(design, folder / "two"), lambda _chunk: True)
     with engine:
@@ -155,7 +154,7 @@ def main() -> int:
             inside = float(compute.sum(collect(folder / out)["cpu_seconds"]).as_py())
             print(
                 f"{processes} processes: {cpu:.0f} s of processor time ({inside:.0f} s in games), {wall:.0f} s; "
-                f"{count} games; {spent / PLAYS * count / cpu:.1f} times less than by play",
+                f"{count} games; `play` needs {spent / PLAYS * count / cpu:.1f} times this processor time",
                 flush=True,
             )
         cpu, wall = cpu_of(lambda: play_on_cluster(folder, games))

@@ -1,6 +1,7 @@
-"""Record which kernels hunts call, and the types of their arguments: `python scripts/record_signatures.py`.
+"""Record the kernels that hunts call, with the types of their arguments: `python scripts/record_signatures.py`.
 
-Run it when kernels are added or their calls change; kernels that are not recorded are compiled at their first call.
+Run this script when kernels are added or their calls change. Kernels that are not recorded are compiled at their first
+call.
 """
 
 import os
@@ -10,7 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 FOLDER = TemporaryDirectory()
-# With an empty cache, every compilation is observed.
+# The cache is empty, so that this script observes every compilation.
 os.environ["NUMBA_CACHE_DIR"] = FOLDER.name
 
 from numba.core import event  # noqa: E402
@@ -23,7 +24,7 @@ STUDY = "robots: 2\n"
 
 
 class Compilations(event.Listener):
-    """Kernels in the order in which a hunt compiles them, inner ones first; each with its compile time in seconds."""
+    """Kernels in the order in which a hunt compiles them (inner kernels first), with their compile times in seconds."""
 
     def __init__(self) -> None:
         self.lines: list[tuple[float, str]] = []
@@ -37,11 +38,11 @@ class Compilations(event.Listener):
         self._own.append(0.0)
 
     def on_end(self, ended: event.Event) -> None:
-        """Handle the end of a compilation, which may be nested in another one."""
+        """Handle the end of a compilation, which may be nested in another compilation."""
         self._switch()
         seconds = self._own.pop()
         kernel = ended.data["dispatcher"]
-        # Formulas are compiled under the name of a plain function; their time counts for the kernel that calls them.
+        # Formulas are compiled under the name of a plain function. Their time counts for the kernel that calls them.
         if is_kernel(kernel):
             self.lines.append((seconds, as_line(kernel, ended.data["args"], moves=self.ticks > 0)))
         elif self._own:
@@ -54,7 +55,7 @@ class Compilations(event.Listener):
         self._since = now
 
 
-# Other processes would compile the previously recorded kernels, and this process would not observe that.
+# Without this, other processes would compile the recorded kernels, and this process would not observe them.
 RECORDED.write_text("")
 calls = Compilations()
 event.register("numba:compile", calls)
@@ -62,7 +63,7 @@ step = Team.step
 
 
 def counted(*arguments: object) -> object:
-    """Count a tick, and run it."""
+    """Run a tick, and count it."""
     result = step(*arguments)
     calls.ticks += 1
     return result

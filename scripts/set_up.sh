@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Creates .venv from requirements.lock. Does nothing if it exists and is up to date.
-# On Debian, as root, it installs missing system packages; otherwise it prints their names.
+# Creates .venv from requirements.lock, unless .venv is up to date.
+# If root runs this script on Debian, it installs missing system packages; otherwise it prints their names.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/packages.sh
@@ -13,7 +13,8 @@ if [ -x $venv/bin/python ] && [ "$(cat $stamp 2>/dev/null)" = "$wanted" ]; then
     exit 0
 fi
 
-# Prints the first Python from version 3.11 on that can create environments. PYTHON can name one. The Python of uv is tried last.
+# Prints the path of the first Python of version 3.11 or later that can create environments. If PYTHON is set, only this
+# Python is tried. Otherwise the Python of uv is tried last.
 find_python() {
     local candidate
     for candidate in ${PYTHON:-python3.11 python3 python3.12 python3.13 "${HOME:-}/.local/bin/python3.11"}; do
@@ -32,9 +33,9 @@ if ! python=$(find_python); then
     fi
     packaged=$(packaged_python)
     if [ -z "$packaged" ] || dpkg --compare-versions "$packaged" lt 3.11; then
-                # On Ubuntu 22.04, for example, an upgrade of the packages does not bring Python 3.11.
+        # On Ubuntu 22.04, for example, the packages have only an older Python.
         cat >&2 <<END
-Set-up needs Python 3.11 or later with its venv module. This system's packages have ${packaged:-none}. Do one of these, then run set-up again:
+Set-up needs Python 3.11 or later with its venv module. This system's packages have ${packaged:-none}. Run one of these commands, then set-up again:
   as any user, with uv:  python3 -m pip install --user uv && ~/.local/bin/uv python install 3.11    (pip is in the package python3-pip)
   on Ubuntu:             sudo apt-get install software-properties-common && sudo add-apt-repository ppa:deadsnakes/ppa && sudo apt-get install python3.11 python3.11-venv
 If your Python is not in PATH: make setup PYTHON=/path/to/python3.11
@@ -46,10 +47,10 @@ END
         echo "Install them with: sudo apt-get install $packages" >&2
         exit 1
     fi
-    echo "Installing them with apt-get." >&2
+    echo "Installing these packages with apt-get." >&2
     DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $packages
     if ! python=$(find_python); then
-        echo "No suitable Python was found. Name one: make setup PYTHON=/path/to/python3.11" >&2
+        echo "No suitable Python was found. Write its path: make setup PYTHON=/path/to/python3.11" >&2
         exit 1
     fi
 fi
@@ -61,7 +62,7 @@ missing_for_windows() {
         libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 fonts-inter; do
         is_installed "$package" || echo "$package"
     done
-        # In Debian 13, the package has the second name.
+    # In Debian 13, the package has the second name.
     is_installed libglib2.0-0 libglib2.0-0t64 || echo libglib2.0-0
 }
 
@@ -72,7 +73,7 @@ if command -v dpkg-query >/dev/null && command -v apt-get >/dev/null; then
         # shellcheck disable=SC2086 # one word per package
         if ! apt-get update -q >/dev/null ||
             ! DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $packages >/dev/null; then
-            echo "Some of them could not be installed: windows may not open. Everything else works." >&2
+            echo "Some of these packages could not be installed, so windows may not open. Everything else works." >&2
         fi
     elif [ -n "$packages" ]; then
         echo "Windows need some system packages: sudo apt-get install $packages" >&2

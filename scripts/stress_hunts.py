@@ -1,13 +1,13 @@
-"""Play many random hunts on all cores, and report faults and how long robots had to wait.
+"""Play many random hunts on all cores, and report faults and the waiting times of robots.
 
-Run it from the project's folder: `.venv/bin/python scripts/stress_hunts.py` (`make stress`). Each hunt is a separate
-session like that of `thbridge play`; its seed determines treasures, noise and participant. The exit code is 1 if
+Run this script from the project's folder: `.venv/bin/python scripts/stress_hunts.py` (`make stress`). Each hunt is a
+separate session, as in `thbridge play`; its seed determines treasures, noise and participant. The exit code is 1 if
 robots collided, a hunt did not end, or a goal was given up.
 
-With `--conditions all --count 200` it plays hunts in all conditions of dialogues instead. The seed of a hunt determines
-map, team, energy, participant, manner of robots, obstacles and failures, equally in all conditions. It prints score,
-rooms and energy by condition, and compares each condition with the scripted questions on the same seeds. Goals may be
-given up there, because there are obstacles in rooms, and robots die.
+With `--conditions all --count 200`, the script instead plays hunts in all dialogue conditions. The seed of a hunt
+determines map, team, energy, participant, manner of robots, obstacles and failures, equally in all conditions. The
+script prints score, rooms and energy for each condition, and compares each condition with the scripted questions on the
+same seeds. In these hunts goals may be given up, because rooms have obstacles, and robots die.
 """
 
 import argparse
@@ -82,7 +82,7 @@ class Outcome:
 
     Attributes:
         hunt: hunt that was played.
-        ended: True if it reached its end.
+        ended: True if the hunt reached its end.
         seconds: simulated time, seconds.
         goals: number of goals reached.
         failures: codes of the reasons why goals were not reached.
@@ -95,7 +95,7 @@ class Outcome:
         energy: energy left to all robots.
         replies: number of the participant's replies in dialogues.
         who: attitude and strategy of the participant.
-        fault: exception that ended the hunt; empty if there was none.
+        fault: exception that ended the hunt; empty if there was no exception.
     """
 
     hunt: Hunt
@@ -166,7 +166,7 @@ class Draw:
 def setting_at(place: str) -> StudySetting:
     """Return the setting of a study with this map and with the data for arguing robots.
 
-    Reading them is slow, so the setting is kept.
+    Reading these data is slow, so the setting is kept.
     """
     talk = DialogueSection(condition=DialogueCondition.COLLABORATOR)
     return read_setting(replace(Study(dialogue=talk), map=place), Path())
@@ -179,7 +179,7 @@ def drawn_hunt(seed: int, condition: DialogueCondition) -> Hunt:
 
 
 def drawn_study(hunt: Hunt, condition: DialogueCondition) -> Study:
-    """Return the study of a hunt in a condition; everything else depends only on the hunt's seed."""
+    """Return the study of a hunt in a condition. Apart from the condition, it depends only on the hunt's seed."""
     draw = Draw(hunt.seed, "drawn study")
     manner = MannerSection(
         attitude=draw(tuple(Attitude)),
@@ -209,7 +209,7 @@ def study_of(hunt: Hunt) -> Study:
 
 
 def played(hunt: Hunt) -> Outcome:
-    """Play one hunt to its end, or to an exception, which is stored."""
+    """Play one hunt to its end. If an exception ends the hunt, store the exception in the result."""
     try:
         return play(hunt)
     except Exception as fault:
@@ -256,12 +256,12 @@ def report_line(robots: int, outcomes: Sequence[Outcome]) -> str:
     """Return one line about the hunts with this number of robots."""
     failures = Counter(reason for outcome in outcomes for reason in outcome.failures)
     simulated, cpu = (math.fsum(values) for values in zip(*((o.seconds, o.cpu) for o in outcomes), strict=True))
-    missed = f"{failures.total()} not {dict(failures)}" if failures else "0 not"
+    missed = f"{failures.total()} not reached {dict(failures)}" if failures else "0 not reached"
     return (
-        f"{robots:2} robots: {len(outcomes)} hunts, {sum(not o.ended for o in outcomes)} hung, "
+        f"{robots:2} robots: {len(outcomes)} hunts, {sum(not o.ended for o in outcomes)} did not end, "
         f"{sum(o.collisions for o in outcomes)} collisions, {sum(o.goals for o in outcomes)} goals reached, {missed}; "
         f"longest wait {max(o.waited for o in outcomes):.0f} s, longest goal {max(o.open for o in outcomes):.0f} s; "
-        f"{simulated / cpu:.0f} simulated s per CPU s"
+        f"{simulated / cpu:.0f} simulated seconds per second of processor time"
     )
 
 
@@ -279,7 +279,7 @@ def condition_row(condition: DialogueCondition, outcomes: Sequence[Outcome]) -> 
 
 
 def comparison_row(name: str, outcomes: Sequence[Outcome], scripted: Sequence[Outcome]) -> str:
-    """Return the row of a table that compares hunts with those of the scripted questions on the same seeds."""
+    """Return the row of a table that compares hunts with the hunts with scripted questions on the same seeds."""
     cells = [f"{name} | {len(outcomes)}"]
     for of in (attrgetter("score"), attrgetter("rooms"), attrgetter("energy")):
         gains = [of(here) - of(there) for here, there in zip(outcomes, scripted, strict=True)]
@@ -291,14 +291,14 @@ def comparison_row(name: str, outcomes: Sequence[Outcome], scripted: Sequence[Ou
 def play_conditions(pool: Executor, conditions: Sequence[DialogueCondition], seeds: Sequence[int]) -> bool:
     """Play hunts in several conditions on the same seeds, and print their tables; return True if all went well."""
     found: dict[DialogueCondition, list[Outcome]] = {}
-    print("| condition | hunts | hung | collisions | exceptions | score | rooms | energy left | replies |")
+    print("| condition | hunts | did not end | collisions | exceptions | score | rooms | energy left | replies |")
     print("|---|---|---|---|---|---|---|---|---|")
     for condition in conditions:
         found[condition] = list(pool.map(played, [drawn_hunt(seed, condition) for seed in seeds]))
         print(condition_row(condition, found[condition]), flush=True)
     scripted = found.get(DialogueCondition.SCRIPT)
     if scripted is not None and len(seeds) > 1:
-        print("\nDifference from script on the same seeds: mean ± standard error (hunts better:worse)\n")
+        print("\nDifference from `script` on the same seeds: mean ± standard error (better hunts:worse hunts)\n")
         print("| condition, participants | hunts | score | rooms | energy left |\n|---|---|---|---|---|")
         for condition, outcomes in found.items():
             pairs = list(zip(outcomes, scripted, strict=True))
@@ -313,7 +313,7 @@ def play_conditions(pool: Executor, conditions: Sequence[DialogueCondition], see
 
 
 def conditions_of(words: str) -> tuple[DialogueCondition, ...]:
-    """Parse conditions from "script,adviser" or "all". Raise ArgumentTypeError for others."""
+    """Parse conditions from "script,adviser" or "all". Raise ArgumentTypeError for other words."""
     try:
         return tuple(DialogueCondition if words == "all" else map(DialogueCondition, words.split(",")))
     except ValueError as fault:
@@ -321,7 +321,7 @@ def conditions_of(words: str) -> tuple[DialogueCondition, ...]:
 
 
 def batches(words: str) -> list[tuple[int, int]]:
-    """Parse numbers of robots and of hunts from "3x100,8x20". Raise ArgumentTypeError for others."""
+    """Parse numbers of robots and of hunts from "3x100,8x20". Raise ArgumentTypeError for other words."""
     found = [re.fullmatch(r"([1-9]\d*)x([1-9]\d*)", word) for word in words.split(",")]
     read = [(int(each[1]), int(each[2])) for each in found if each is not None]
     if len(read) < len(found):
@@ -334,7 +334,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     usual, shape = "2x100,4x100,8x100,16x20", "ROBOTSxHUNTS, separated by commas"
     parser.add_argument("--hunts", type=batches, default=usual, help=shape)
-    parser.add_argument("--conditions", type=conditions_of, help="all, or some, separated by commas")
+    parser.add_argument("--conditions", type=conditions_of, help="`all`, or names of conditions, separated by commas")
     parser.add_argument("--count", type=int, default=200, help="number of hunts in each condition")
     parser.add_argument("--first-seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
@@ -345,7 +345,7 @@ def main() -> int:
             seeds = range(options.first_seed, options.first_seed + options.count)
             return 0 if play_conditions(pool, options.conditions, seeds) else 1
         for robots, count in options.hunts:
-            # A small map has not enough space for such a large team at the start.
+            # On a small map, there is not enough space at the start for a large team.
             places = MAPS if robots <= 10 else MAPS[1:]
             hunts = [Hunt(places[n % len(places)], robots, options.first_seed + n) for n in range(count)]
             outcomes = list(pool.map(play, hunts))

@@ -65,7 +65,7 @@ TITLES = {
     ("DWAPlannerROS",): "dwa_local_planner",
     ("move_base",): "move_base",
 }
-"""Headings by the sections below them; the two costmaps have nearly the same parameters."""
+"""Headings by their sections. The two costmaps share a heading, because they have nearly the same parameters."""
 OURS = "not ROS's"
 NOTHING = "–"
 
@@ -89,12 +89,12 @@ class Row:
 
 
 def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) -> Iterator[Row]:
-    """Return the rows of all parameters of a section and of its subsections.
+    """Yield the rows of all parameters of a section and of its subsections.
 
     Args:
         standard: section with ROS's defaults.
         hunts: section with the defaults of studies.
-        prefix: prefix of the names, with its dot.
+        prefix: prefix of the names, which ends in a dot, or an empty text.
         ours: True if ROS has no such section.
     """
     into = type(standard)

@@ -58,8 +58,8 @@ FILES = (
     ("A questionnaire", "title: x\nitems: [{}]\n", Form(title=""), {"items[0]": "An item"}),
     ("rehearsal.yaml", "effects: [{}]\n", SimulatedPeople(), {"effects[0]": "An effect"}),
 )
-"""Parts of a table: heading, a small file that has one section of each kind, defaults of missing keys, and headings of
-the sections in it."""
+"""Parts of a page: heading, a small file with one section of each kind, defaults of missing keys, and headings of these
+sections."""
 
 
 def study_page() -> str:

@@ -1,4 +1,4 @@
-"""Companions of a session, each a separate program: a participant, a watcher, a ROS node and a MAVLink station."""
+"""Companions of a session: a participant, a watcher, a ROS node and a MAVLink station, each in a separate program."""
 
 import argparse
 import asyncio
@@ -103,7 +103,7 @@ async def participate(counts: Counts, given: argparse.Namespace) -> None:
 
 
 async def watch(counts: Counts, given: argparse.Namespace) -> None:
-    """Watch the session like a researcher's window, and send a request from time to time."""
+    """Watch the session like a researcher's window, and send a request every `PASSES` seconds."""
     client = WatchClient(HOST, given.watch)
     running = asyncio.create_task(client.run())
     asked = time.monotonic()
@@ -128,7 +128,7 @@ async def watch(counts: Counts, given: argparse.Namespace) -> None:
 
 
 async def subscribe(counts: Counts, given: argparse.Namespace) -> None:
-    """Subscribe to the poses of all robots; also start and end other nodes."""
+    """Subscribe to the poses of all robots; also start and stop short-lived nodes."""
     topics = ["/tf", *(f"/robot{each + 1}/amcl_pose" for each in range(given.robots))]
 
     def count(_data: bytes, _publisher: str) -> None:
@@ -152,7 +152,7 @@ async def subscribe(counts: Counts, given: argparse.Namespace) -> None:
 
 
 async def command(counts: Counts, given: argparse.Namespace) -> None:
-    """Send heartbeats; from time to time, drive a robot and then release it."""
+    """Send heartbeats. After pauses of 30 s, take command of a robot, drive it to a place, and release it."""
     async with open_station(Address(HOST, given.mavlink), True, None) as link:
         link.station = station = GroundStation()
         began, trips = time.monotonic(), 0
@@ -180,7 +180,7 @@ COMPANIONS: Mapping[str, Callable[[Counts, argparse.Namespace], Coroutine[None, 
 
 
 async def accompany(given: argparse.Namespace) -> None:
-    """Run a companion until it is ended, and write its counts to a file that the sampler reads."""
+    """Run a companion until the process ends, and write its counts to a file that the sampler reads."""
     counts: Counts = Counter()
 
     async def report() -> None:

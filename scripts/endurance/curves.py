@@ -14,7 +14,7 @@ TITLES = {"MB": "Resident memory, MB", "descriptors": "Open descriptors", "threa
 
 
 def draw(samples: Samples, path: Path) -> None:
-    """Draw the curves; legends show the growth after the warm-up, which is gray."""
+    """Draw the curves. The warm-up is gray, and legends show the growth after it."""
     figure, axes = plt.subplots(3, 2, figsize=(10.0, 10.0), sharex=True, layout="constrained")
     hours, columns = samples.hours, samples.columns
     memory, ticks, descriptors, waits, threads, games = axes.flat

@@ -1,4 +1,4 @@
-"""Growth of the resources that the programs of a long run use, and of the time per tick, computed from samples."""
+"""Growth of the resources of programs in a long run, and of the time per tick, computed from samples."""
 
 import csv
 from collections.abc import Mapping
@@ -12,9 +12,9 @@ from sim.common.observations import TICK
 from sim.numerics.float_array import FloatArray
 
 WARM_UP = 0.2
-"""Share of a run at its beginning whose samples are ignored.
+"""Share of a run, at its beginning, whose samples are ignored.
 
-After it, caches are full, and allocators have their arenas.
+Later, caches are full, and allocators have reserved their memory.
 """
 TREND = 10
 """Least number of samples from which a trend is computed."""
@@ -35,17 +35,17 @@ BOUNDS: Mapping[str, Bound] = {
 }
 """Bounds by the last words of column names.
 
-Caches and data for late watchers grow for some hours, which `slack` allows.
+In the first hours, caches and data for late watchers grow. `slack` allows this.
 """
 SLOWER = 1.25
 """Greatest ratio of a tick's processor time in the second half after the warm-up to the first half.
 
-Times are divided by the yardstick's time if the run measured it.
+If the run measured the yardstick's time, ticks are divided by it.
 """
 COUNTED = {
     "games": "games",
     "visits": "connections of visitors",
-    "failed_visits": "of them failed",
+    "failed_visits": "failed connections of visitors",
     "lost": "connections lost",
     "dropped": "messages dropped for the watcher",
     "ros_messages": "ROS messages to the node",
@@ -82,7 +82,7 @@ def growth_of(hours: FloatArray, values: FloatArray, bound: Bound) -> Growth:
 
 
 def slowdown_of(times: FloatArray) -> float:
-    """Return the median of the second half of times divided by that of the first half."""
+    """Return the median of the second half of times, divided by the median of the first half."""
     half = len(times) // 2
     return float(np.nanmedian(times[half:]) / np.nanmedian(times[:half]))
 
@@ -91,7 +91,7 @@ class Samples:
     """Samples of a run.
 
     Args:
-        path: path of their CSV file.
+        path: path of the CSV file with the samples.
     """
 
     def __init__(self, path: Path) -> None:

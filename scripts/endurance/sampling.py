@@ -1,4 +1,4 @@
-"""Samples of the resources that programs use, read from /proc, and test connections to the programs' ports."""
+"""Samples of the resources of programs, read from /proc, and test connections to the programs' ports."""
 
 import csv
 import json
@@ -10,7 +10,7 @@ from pathlib import Path
 
 HOST = "127.0.0.1"
 YARDSTICK = 200_000
-"""Number of rounds of a fixed computation, which takes some tens of milliseconds."""
+"""Number of rounds of a fixed computation. The computation takes some tens of milliseconds."""
 PATIENCE = 30.0
 """Timeout of a visitor, seconds."""
 
@@ -31,7 +31,7 @@ def load_of(pid: int) -> dict[str, float]:
 def yardstick() -> float:
     """Return the processor time of a fixed computation, ms.
 
-    It shows how slow the processor is, because a core is slower if its neighbors are busy.
+    It shows how slow the processor is at the moment, because a core is slower if other cores are busy.
     """
     began = time.thread_time()
     for number in range(YARDSTICK):
@@ -88,7 +88,7 @@ class Recorded:
         self._removed = 0
 
     def megabytes(self) -> tuple[float, float]:
-        """Return the size of all journals, and of all bags so far."""
+        """Return the size of all journals, and of all bags so far, in megabytes."""
         journals = [path.stat().st_size for path in self._folder.rglob("*.jsonl")]
         bags = sorted(self._folder.glob("*.bag*"), key=lambda path: path.stat().st_mtime)
         for path in bags[:-2]:

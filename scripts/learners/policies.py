@@ -22,8 +22,13 @@ class Policy(Protocol):
         """Begin the episode of a seed."""
 
     def choose(self, agent: str, costs: NDArray[np.float64], rooms: NDArray[np.int64]) -> int:
-        """Return one of the rooms that an agent may choose, given the energy costs of the rooms, beginning with room
-        1."""
+        """Return one of the rooms that an agent may choose.
+
+        Args:
+            agent: name of the agent.
+            costs: energy costs of all rooms, from room 1 on.
+            rooms: numbers of the rooms that the agent may choose.
+        """
 
 
 class RandomPolicy:
@@ -42,7 +47,7 @@ class RandomPolicy:
 
 
 class CheapestPolicy:
-    """Policy that chooses the cheapest room; of equally cheap rooms, the first."""
+    """Policy that chooses the cheapest room; if several rooms are equally cheap, the first."""
 
     def begin(self, env: Env, seed: int) -> None:
         """See `Policy`."""
@@ -73,7 +78,7 @@ class TablePolicy:
 
     @classmethod
     def read(cls, file: Path) -> "TablePolicy":
-        """Return the policy in a file that `save` wrote."""
+        """Return the policy whose table `numpy.save` wrote to a file."""
         return cls(np.load(file))
 
     def begin(self, env: Env, seed: int) -> None:

@@ -1,8 +1,8 @@
 """Build the site: `python -m scripts.site.build [FOLDER]`; `make docs` calls it.
 
 The pages come from `docs`, the changelog and CONTRIBUTING.md. Pages about commands, keys of a study file and the
-interface for programs are generated from the code. The site is written to FOLDER/VERSION, and also works from a local
-disk, because it loads nothing from other hosts. Each version in FOLDER has links to the other versions.
+Python API are generated from the code. The site is written to FOLDER/VERSION. It also works from a local disk, because
+it loads nothing from other hosts. Each version in FOLDER has links to the other versions.
 """
 
 import argparse
@@ -31,8 +31,7 @@ _LINK = re.compile(r"(?<!!)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s#:]+)(#[^)]*)?\)
 
 
 def build(folder: Path) -> int:
-    """Build the site of the installed version in a folder; return Sphinx's exit code, which is not 0 if there are
-    warnings."""
+    """Build the site of the installed version in a folder; return Sphinx's exit code, which is 0 without warnings."""
     target = folder / metadata.version("thbridge")
     with tempfile.TemporaryDirectory() as made:
         source = Path(made) / "docs"
@@ -67,7 +66,7 @@ def _lay_source(source: Path) -> None:
 
 
 def _with_links_of(text: str, folder: Path, to: Path) -> str:
-    """Return a page with links that fit its place in the site.
+    """Return a page whose links are correct from its path in the site.
 
     A link to a file outside the site becomes the file's name.
     """
@@ -88,9 +87,9 @@ def _with_links_of(text: str, folder: Path, to: Path) -> str:
 
 
 def _toctree(page: Path, text: str, copy: Path) -> str:
-    """Return the toctree of an index page: the pages of its folder that it links to, and the indexes of subfolders.
+    """Return the toctree of an index page: the linked pages in its folder, and the indexes of subfolders.
 
-    If the page has sections, each section becomes a page with the same links, so that the sidebar shows these groups.
+    If the index page has sections, each section becomes a page with the same links, so that the sidebar shows groups.
     """
     if page.name not in INDEXES:
         return ""
@@ -116,7 +115,7 @@ def _listed(entries: list[str]) -> str:
 
 
 def api_pages() -> dict[str, str]:
-    """Return the pages of the interface for programs, by their names."""
+    """Return the pages of the Python API, by their names."""
     return {
         "api-classes": _api_page(api, "thbridge.api", "For programmers: all classes of `thbridge.api`."),
         "api-learning": _api_page(

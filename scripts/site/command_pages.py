@@ -1,4 +1,4 @@
-"""Reference pages of the command line: one for each top-level command, with its subcommands."""
+"""Reference pages of the command line: a page for each top-level command, with its subcommands."""
 
 import re
 from collections.abc import Iterator

@@ -33,6 +33,6 @@ html_css_files = ["site.css"]
 html_js_files = ["versions.js"]
 html_copy_source = False
 html_show_sourcelink = False
-# Summaries would be loaded from other pages, which browsers refuse for pages on a local disk.
+# Search summaries are loaded from other pages. Browsers refuse this for pages on a local disk.
 html_show_search_summary = False
 html_theme_options = {"navigation_with_keys": True, "top_of_page_buttons": []}

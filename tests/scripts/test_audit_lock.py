@@ -53,7 +53,7 @@ def test_affected_pins_are_told_and_end_with_1(tmp_path: Path) -> None:
     assert done.returncode == 1
     for told in ("first-package==1.4", "PYSEC-1", "1.4.1", "second==2.0", "GHSA-2", "It fails."):
         assert told in done.stdout
-    assert "2 pins, 2 advisories about them, 2 concern a pinned version" in done.stdout
+    assert "2 pins; 2 advisories name their packages; 2 concern a pinned version" in done.stdout
     assert "2026-01-02" in done.stdout
 
 

@@ -67,7 +67,7 @@ def test_a_flat_run_is_judged_well(tmp_path: Path) -> None:
         ("session_MB", 200.0 + 3.0 * HOURS, "GROWS"),
         ("session_threads", 8.0 + np.floor(HOURS), "GROWS"),
         ("session_cpu_s", 15.0 * HOURS**2, "SLOWER"),
-        ("failed_visits", HOURS, "of them failed"),
+        ("failed_visits", HOURS, "failed connections of visitors"),
     ],
 )
 def test_a_run_is_judged_badly_for_one_fault(
