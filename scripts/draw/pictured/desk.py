@@ -49,7 +49,7 @@ def at_the_desk() -> Iterator[Shot]:
     yield Shot("desk", window)
     words = (
         f"Exclude the run of {last.participant}? The recorded data remain, but the run no longer counts. "
-        "Its place becomes open again. You cannot undo this."
+        "Its place is then open for another participant. You cannot undo this."
     )
     box = ReasonBox(window, "Exclude a run", words, f"Exclude {last.participant}")
     box.reason.setText("knew the study")

@@ -275,7 +275,10 @@ class DeskWindow(QMainWindow):
 
     def _ask_end(self) -> None:
         if (run := self.run()) is not None:
-            words = f"End the run of {run.participant}? The run stops and does not count. Its place becomes open again."
+            words = (
+                f"End the run of {run.participant}? The run stops and does not count. "
+                "Its place is then open for another participant."
+            )
             box = ReasonBox(self, "End a run", words, f"End {run.participant}")
             if box.exec():
                 self.asked.emit(EndRun(run.participant, box.reason.text().strip()))
@@ -284,7 +287,7 @@ class DeskWindow(QMainWindow):
         if (run := self.run()) is not None:
             words = (
                 f"Exclude the run of {run.participant}? The recorded data remain, but the run no longer counts. "
-                "Its place becomes open again. You cannot undo this."
+                "Its place is then open for another participant. You cannot undo this."
             )
             box = ReasonBox(self, "Exclude a run", words, f"Exclude {run.participant}")
             if box.exec():

@@ -198,7 +198,7 @@ class KioskWindow(QMainWindow):
 
     Args:
         texts: texts of the study.
-        preferences: preferences of the participant. When the next participant starts, they are reset.
+        preferences: preferences of the participant, which are reset when the next participant starts.
         send: function that sends a message to the host.
         clock: monotonic clock, seconds.
 

@@ -28,7 +28,7 @@ from ui.windows.map.scale_bar import ScaleBar
 from ui.windows.map.words import describe
 
 HIT_RADIUS = 24.0
-"""Distance from a robot's middle within which a click selects it, pixels."""
+"""Distance from a robot's middle within which a click selects the robot, pixels."""
 
 DRAG_THRESHOLD = 4.0
 """Distance from which a movement of the pressed pointer is a drag, not a click, pixels."""

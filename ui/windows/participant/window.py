@@ -87,8 +87,8 @@ ROBOT_SIZE = 40
 class ParticipantWindow(QWidget):
     """Window with the map, the robots and rooms next to the map, and pop-ups in a corner of the map.
 
-    It can also be a page of another window. While it is visible, it shows the current state of the model. It keeps the
-    language that the model had when the window was created.
+    The window can also be a page of another window. While visible, it shows the current state of the model. Its language
+    is the language that the model had when the window was created.
 
     Args:
         model: source of all data that the window shows.
@@ -206,7 +206,7 @@ class ParticipantWindow(QWidget):
 
     @property
     def regions(self) -> list[QWidget]:
-        """Regions that F6 visits, in reading order. If an overlay's panel or a page is shown, it is the only region."""
+        """Regions that F6 visits, in reading order. If an overlay or a page is shown, it is the only region."""
         if self.overlay.isVisible():
             return [panel for panel in (self.question, self.help, self.large) if panel.isVisible()]
         if self._screen is not None and self._screen.phase in self._page_of:

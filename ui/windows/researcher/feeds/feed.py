@@ -26,7 +26,7 @@ class FeedData:
         series: numbers over time known so far.
         known_since: time from which the series are known.
         numbers: all topics, and the numbers in their messages. None if they are unknown, as in a running session.
-        foreign: True for a recording that is not one of our sessions.
+        foreign: True for a recording of another program, False for one of our sessions.
     """
 
     generation: int
