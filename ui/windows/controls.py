@@ -1,7 +1,7 @@
 """Combo boxes with a clearly visible arrow.
 
-The style sheet of `look` sets the edges of combo boxes. Qt then omits its arrow, which is also too faint on dark
-backgrounds. Therefore this module paints an arrow.
+The style sheet of `look` sets the edges of combo boxes. Qt then omits its own arrow, so this module paints an arrow.
+Qt's arrow would also be too faint on dark backgrounds.
 """
 
 from PySide6.QtCore import QPointF, Qt

@@ -62,7 +62,7 @@ class ParticipantLink:
     Args:
         host: host of the server.
         port: port of the server.
-        token: id of this run of the program. It lets the server recognize the program when it reconnects.
+        token: id of this run of the program. The server recognizes a program that reconnects by this id.
         consent: consent of a participant who has already agreed. If None, the participant has not agreed or was not
             asked.
         key: key to present to the server. If None, no key is presented.
@@ -112,7 +112,7 @@ class ParticipantLink:
     def decline(self) -> None:
         """Report to the server that the participant declines to take part.
 
-        If the link is then stopped, it sends this message before it stops.
+        The link sends this message even if `stop` is called at once.
         """
         self._declined = True
 

@@ -246,7 +246,7 @@ def qt_palette(palette: Palette) -> QPalette:
 
 
 def label(text: str = "", size: Size = "body", *, bold: bool = False, muted: bool = False) -> QLabel:
-    """Return a label that shows its text literally and wraps it."""
+    """Return a label that shows a text literally and wraps long lines."""
     made = follow_text(PlainLabel(text), lambda it: it.setFont(font(size, bold=bold)))
     made.setWordWrap(True)
     if muted:

@@ -37,7 +37,7 @@ WindowKind = Literal["participant", "kiosk", "watch", "desk", "study", "template
 
 _LOOK, _TEXT, _SOUND, _GEOMETRY, _LANGUAGE = "look", "text/percent", "sound", "geometry", "language"
 _KEYS_OF = "keysOf"
-"""Name of a property of windows that have the shortcuts; it stores the id of their preferences."""
+"""Name of the property that stores the id of the preferences whose shortcuts a window has."""
 
 
 def user_settings(name: str) -> QSettings:

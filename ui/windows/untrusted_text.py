@@ -1,7 +1,7 @@
 """Functions that show untrusted text literally.
 
 Untrusted texts are names of files, rooms, treasures, topics and people, and lines that programs print. In labels, tool
-tips and message boxes, Qt treats text that looks like HTML as HTML, and would open its pictures and links. In buttons
+tips and message boxes, Qt treats text like HTML as HTML, and would open the pictures and links in the text. In buttons
 and menus, & marks a key. In window titles, [*] is replaced by the sign of unsaved changes. Some other characters
 reverse the direction of writing. `PlainTextStyle` forbids HTML in all labels, including labels that Qt creates itself.
 The functions handle the other cases.

@@ -36,7 +36,7 @@ from ui.windows.map.item import CellImage
 from ui.windows.untrusted_text import title_text
 
 REACH = 12.0
-"""Greatest distance of a press from the goal, corner or start pose that it grabs, pixels."""
+"""Greatest distance from a goal, corner or start pose at which a press grabs this point, pixels."""
 STEP = 0.1
 """Distance by which a key moves the chosen goal or start pose, meters."""
 TURN = np.pi / 12
@@ -70,7 +70,7 @@ class ArenaWindow(QMainWindow):
         name: name of the map.
         grid: cells of the map.
         arena: rooms and start poses to start with.
-        write: function that writes the arena. If it fails, it returns the reason, otherwise None.
+        write: function that writes the arena. It returns the reason of a failure, or None.
         is_saved: True if `arena` is already saved in a file.
         left_out: (rows, cols) True for cells of removed lines, which the window shows. None if no lines were removed.
     """

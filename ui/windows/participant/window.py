@@ -77,7 +77,7 @@ ANSWER_DELAY = 0.3
 """Seconds during which a new pop-up ignores answers, because a press was meant for the previous content.
 
 The next turn of the same dialogue also counts as a new pop-up, because the second press of a double click is not an
-answer. After a name was picked, a person has time to read it before it can be submitted.
+answer. A picked name cannot be submitted before a person has had time to read the name.
 """
 
 ROBOT_SIZE = 40
@@ -87,8 +87,8 @@ ROBOT_SIZE = 40
 class ParticipantWindow(QWidget):
     """Window with the map, the robots and rooms next to the map, and pop-ups in a corner of the map.
 
-    The window can also be a page of another window. While visible, it shows the current state of the model. Its language
-    is the language that the model had when the window was created.
+    The window can also be a page of another window. While visible, it shows the current state of the model. It uses the
+    language that the model had when the window was created.
 
     Args:
         model: source of all data that the window shows.

@@ -201,7 +201,7 @@ class DockedWindow(QMainWindow):
         self.wizard.refuse(reason)
 
     def show_contents(self, drawable: bool) -> None:
-        """Show the topics of a recording in their dock. If the map cannot be drawn, show the topics in its place."""
+        """Show the topics of a recording in their dock, or in place of the map if there is no map to draw."""
         topics, plots = self.dock("Topics"), self.dock("Plots")
         if drawable:
             topics.setWidget(self.topics)
@@ -252,7 +252,7 @@ class DockedWindow(QMainWindow):
         else:
             bottom.append(self._dock("Topics", self.topics, BOTTOM))
         bottom.append(self._dock("Wizard", self.wizard, BOTTOM))
-        self.wizard.hide()  # Hide it until its tab is in front, so that it does not enlarge the window.
+        self.wizard.hide()  # Hide this part until its tab is in front, so that it does not enlarge the window.
         for group in (bottom, figures):
             for before, after in pairwise(group):
                 self.tabifyDockWidget(before, after)

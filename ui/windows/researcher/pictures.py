@@ -66,7 +66,7 @@ class VideoWriter(QObject):
     Args:
         path: path of the video; the suffix decides the format.
         span: first and last moment, seconds since the beginning.
-        frame: function that shows the moment at a time and returns its picture. All pictures have the same size.
+        frame: function that shows the recording at a time and returns a picture. All pictures have the same size.
         program: path of ffmpeg.
         parent: owner of the writer; Qt deletes both together.
 

@@ -153,7 +153,7 @@ class _Sheet:
 def fan_image(fan: PathSpread, other: PathSpread, canvas: Canvas, colour: str, *, dashed: bool) -> QImage:
     """Draw the commanded drive, 200 resulting paths, and the ellipse of their end points.
 
-    The scale is chosen so that `other` also fits.
+    The scale is chosen so that `other` fits as well, and both drawings can be compared.
     """
     everything = np.concatenate([each.reshape(-1, 2) for one in (fan, other) for each in (one.paths, one.ellipse)])
     sheet = _Sheet(canvas, np.concatenate([everything, fan.driven]))

@@ -276,7 +276,7 @@ def _arrow(colour: QColor) -> QIcon:
 
 
 def _set_muted(line: QLineEdit, muted: bool) -> None:
-    """Show a default value in italics; the text below says that it is the default."""
+    """Show a default value in italics. The text below the field also says that this is the default."""
     wanted = font()
     wanted.setItalic(muted)
     line.setFont(wanted)

@@ -282,7 +282,7 @@ class Transcript(QScrollArea):
         self._settling.timeout.connect(self._to_end)
 
     def show_sentences(self, sentences: tuple[tuple[Literal["robot", "you"], str], ...], robot: int) -> None:
-        """Show these sentences; reuse bubbles that already show them."""
+        """Show these sentences; reuse the bubbles of sentences that are already shown."""
         if (sentences, robot) == (self._sentences, self._robot):
             return
         shown = len(self._sentences)

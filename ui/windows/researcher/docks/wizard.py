@@ -111,7 +111,7 @@ class WizardDock(QWidget):
         for pending in wizard.advice:
             self._cards.addWidget(self._advice(pending))
         waits = bool(wizard.turns or wizard.advice)
-        # Hide the note to give its space to the waiting turns; by then, the wizard has read it.
+        # Hide the note, because the waiting turns need its space. By then, the wizard has read the note.
         self._note.setVisible(not waits or bool(self._reason))
         if not waits:
             self._cards.addWidget(PlainLabel("No robot waits for you."))

@@ -72,10 +72,10 @@ class ToolHelp:
 TOOLS = {
     MapTool.LOOK: ToolHelp("Move", "M", "Drag to move the map, turn the wheel to zoom, click a robot to select it."),
     MapTool.GOAL: ToolHelp(
-        "Goal", "G", "Press the mouse button at the goal for {robot}, drag in the goal's direction, and release."
+        "Goal", "G", "Press the mouse button at the goal for {robot}, drag in the direction of the goal pose, and release."
     ),
     MapTool.POSE: ToolHelp(
-        "Pose", "P", "Press the mouse button where {robot} should assume it is, drag in its direction, and release."
+        "Pose", "P", "Press the mouse button at the new pose estimate of {robot}, drag in its direction, and release."
     ),
     MapTool.CARRY: ToolHelp("Kidnap", "K", "Drag a robot to another place. The robot's software is not informed."),
     MapTool.OBSTACLE: ToolHelp(
