@@ -72,7 +72,7 @@ class ToolHelp:
 TOOLS = {
     MapTool.LOOK: ToolHelp("Move", "M", "Drag to move the map, turn the wheel to zoom, click a robot to select it."),
     MapTool.GOAL: ToolHelp(
-        "Goal", "G", "Press the mouse button at the goal for {robot}, drag in the direction of the goal pose, and release."
+        "Goal", "G", "Press the mouse button at the goal of {robot}, drag in the direction of the goal, and release."
     ),
     MapTool.POSE: ToolHelp(
         "Pose", "P", "Press the mouse button at the new pose estimate of {robot}, drag in its direction, and release."
