@@ -255,7 +255,7 @@ class DeskWindow(QMainWindow):
         _allow(self.status, no_folder, "Show the participants and the missing data")
         _allow(self.export, no_folder, "Export tables for pandas and R")
         _allow(self.back_up, no_folder, "Copy the study to another disk")
-        _allow(self.withdraw, no_folder, "Show all data of a participant, and delete the data after confirmation")
+        _allow(self.withdraw, no_folder, "List the data of a participant, and delete all of them after confirmation")
         _allow(self.add_note, off, "Add the note to the log")
         self.note.setEnabled(not off)
         self.note.setToolTip(off)
