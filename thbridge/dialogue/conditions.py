@@ -1,6 +1,6 @@
 """Conditions of a study.
 
-They determine how robots and participant decide together, and the manner in which robots argue.
+Conditions determine how robots and participant decide together, and the manner in which robots argue.
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,8 @@
 """Evidence of a robot for the three decisions of the hunt: its knowledge, and the arguments that follow from it.
 
-It never contains knowledge that only the simulator has. It contains the robot's energy and costs, the energy and costs
-that other robots report, the joint plan based on these, the robot's failures, and the known properties of treasures.
+Evidence never contains knowledge that only the simulator has. It contains the robot's energy and costs, the energy and
+costs that other robots report, the joint plan based on these, the robot's failures, and the known properties of
+treasures.
 """
 
 import math

@@ -46,7 +46,7 @@ class Exchange:
 
     Attributes:
         title: title for people.
-        topics: propositions that it is about, in the order of the dialogues about them.
+        topics: propositions of the exchange, in the order of the dialogues about them.
         start: the conversation before the first move.
         course: moves in order, each with its side; several alternatives if the example allows any of them.
     """

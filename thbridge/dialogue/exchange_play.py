@@ -18,8 +18,9 @@ class ExchangeAct:
     """Act of a side: a move in a dialogue, or the opening of another dialogue.
 
     Attributes:
-        move: the move. number: number of the dialogue of the move, or of the dialogue that waits for a new dialogue;
-            None if there is none.
+        move: the move.
+        number: number of the dialogue of the move, or of the dialogue that waits for a new dialogue; None if there is
+            none.
         opening: opening of a new dialogue; None for a move.
     """
 
@@ -48,7 +49,7 @@ def acts(
     Args:
         exchange: dialogues are about its topics and their parts.
         conversation: the present conversation.
-        side: the side whose turn it is in that dialogue, or either side between dialogues.
+        side: the side whose turn it is. Between dialogues, either side.
         game: the only game that may be opened. If None, the nine cases determine the games.
     """
     number = turn[0] if (turn := turn_in(conversation)) is not None else None

@@ -3,7 +3,7 @@
 A dialogue's public record (`Dialogue`) is its topic and its moves. Everything else (turn, legal moves, sentences,
 outcome) is computed from the record. If robots argue, the beliefs of both sides are kept next to it.
 
-A new kind of dialogue adds its moves to `Move`, and needs an engine for them.
+A new kind of dialogue adds its moves to `Move`, and needs an engine for these moves.
 """
 
 from collections.abc import Mapping
@@ -248,7 +248,7 @@ _WORDS: Mapping[type[Move], str] = {
 
 
 def word_of(move: Move) -> str:
-    """Return the word for a move, for recordings and programs; for a move in a dialogue game, it is its locution."""
+    """Return the word for a move, for recordings and programs. For a move in a dialogue game, this is the locution."""
     return move.locution if isinstance(move, DialogueMove) else _WORDS[type(move)]
 
 

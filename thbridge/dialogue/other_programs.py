@@ -7,7 +7,7 @@ from pathlib import Path
 import sim
 
 RAISED = (Exception, SystemExit, GeneratorExit)
-"""Exceptions of another program that do not end this program. An interrupt is not among them: a person causes it."""
+"""Exceptions of another program that do not end this program. Interrupts are not included: people cause them."""
 LONGEST_FAULT = 300
 """Longest text of a fault, in characters."""
 _OURS = (Path(__file__).parents[1], Path(sim.__path__[0]))

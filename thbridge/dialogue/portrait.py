@@ -1,6 +1,6 @@
 """Portrait of a conversation: a robot's beliefs, its picture of the person, and its conclusions, as plain text.
 
-Recordings contain it, and researchers see it.
+Recordings contain portraits, and researchers see them.
 """
 
 import json
@@ -30,7 +30,7 @@ class PortrayedBelief:
 
     Attributes:
         literal: the believed literal.
-        source: kind of its source.
+        source: kind of source of the belief.
         at: simulated time of the observation or computation, s.
         confidence: confidence of the agent that sensed or computed it, 0 to 1.
     """
@@ -48,9 +48,9 @@ class PortrayedGame:
     Attributes:
         number: number of the game, from 1, unique among the games of one robot.
         parent: number of the game that waits for this game; 0 if there is none.
-        game: its name.
+        game: name of the game.
         topic: topic of the game.
-        opener: the side that opened it.
+        opener: the side that opened the game.
         end: its end; empty while it continues.
     """
 
@@ -67,7 +67,7 @@ class PortrayedArgument:
     """Argument about the subject of the conversation.
 
     Attributes:
-        support: beliefs on which it rests.
+        support: beliefs on which the argument rests.
         conclusion: the conclusion.
         sides: the sides that hold all of its support, "robot" or "human", as far as the robot knows.
     """

@@ -35,8 +35,7 @@ class ChosenMove:
 
     Attributes:
         move: the move, which is legal.
-        fault: reason why the robot's own strategy chose it instead of the installed strategy; empty if the installed
-            strategy chose it.
+        fault: reason why the robot's own strategy chose the move; empty if the installed strategy chose the move.
     """
 
     move: DialogueMove

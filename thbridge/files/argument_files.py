@@ -1,8 +1,8 @@
 """Reading of argumentation frameworks in the formats of solvers.
 
 APX has a fact for each argument and each attack (`arg(a).`, `att(a,b).`). TGF has a line for each argument, then a line
-`#`, then a line for each attack. AF is the numeric format of the competitions since 2023. Its first line gives the
-number of arguments (`p af 3`); then it has a line for each attack (`1 2`).
+`#`, then a line for each attack. AF is the numeric format of the competitions since 2023. The first line of an AF file
+gives the number of arguments (`p af 3`). Each further line is an attack (`1 2`).
 """
 
 import re

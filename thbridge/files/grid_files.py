@@ -1,4 +1,4 @@
-"""Occupancy grids in files: `map.yaml` and its image, as map_server reads them and map_saver writes them."""
+"""Occupancy grids in files: `map.yaml` and its image, in the format of map_server and map_saver."""
 
 import math
 import re

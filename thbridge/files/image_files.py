@@ -41,7 +41,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
         data = _with_plain_header(path, data)
     elif data[:2] in {b"P1", b"P3"}:
         data = _COMMENT.sub(b"", data)  # in Pillow, a comment ends only at LF
-    # Imported here because it is slow and few maps need it.
+    # Pillow is imported here, because the import is slow and few maps need Pillow.
     from PIL import Image, UnidentifiedImageError  # noqa: PLC0415
 
     try:
@@ -128,8 +128,8 @@ _LINE_END = re.compile(rb"[\r\n]")
 def _raster_begin(data: bytes, end: int, size: int) -> int:
     """Return the offset of the pixels, which have `size` bytes; the last number of the header ends at `end`.
 
-    Exactly one blank ends the header; the byte after it is a pixel, even if it looks like a blank. But if an editor has
-    written CR LF as line ends, both bytes end the header. A comment right after the number ends with its line.
+    Exactly one blank ends the header. The next byte is a pixel, even if its value is that of a blank. But if an editor
+    has written CR LF as line ends, both bytes end the header. A comment right after the number ends with its line.
     """
     if data[end : end + 1] == b"#":
         found = _LINE_END.search(data, end)

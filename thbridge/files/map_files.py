@@ -1,4 +1,4 @@
-"""Map folders: `map.yaml` and its image as map_server reads them, and `rooms.yaml` with rooms and start poses.
+"""Map folders: `map.yaml` and its image in the format of map_server, and `rooms.yaml` with rooms and start poses.
 
 For each further language, such as `de`, a subfolder has the names of the rooms in a `words.yaml`.
 
@@ -49,9 +49,9 @@ class MapRoom:
     """A room of a map.
 
     Attributes:
-        room: its number.
-        name: its name for people.
-        region: corners of its floor in the map frame, meters; a simple polygon inside the map.
+        room: number of the room.
+        name: name of the room for people.
+        region: corners of the room's floor in the map frame, meters; a simple polygon inside the map.
         goal: goal pose of robots that are sent there, map frame.
     """
 
@@ -76,9 +76,9 @@ class Map:
         starts: start poses of robot 1, 2, ... in the map frame; at least one.
         costs: the map's own cost file `mapTimes`, which replaces the file of a template folder; None if the map has
             none.
-        language: language of the rooms' names. If None, they are used in every language.
+        language: language of the rooms' names. If None, these names are used in every language.
         words: names of the rooms in further languages, by the language and the name in `rooms.yaml`.
-        warnings: warnings of the check; a game can be played in spite of them.
+        warnings: warnings of the check; games can be played in spite of warnings.
     """
 
     name: str
@@ -116,7 +116,7 @@ class MapFinding:
 
 @dataclass(frozen=True, slots=True)
 class MapCheck:
-    """A map folder as far as it could be read, and all its faults.
+    """The readable contents of a map folder, and all faults of the folder.
 
     Attributes:
         map: the map, with its faults, or None if `map.yaml`, the image or `rooms.yaml` cannot be read.

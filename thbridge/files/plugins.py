@@ -46,7 +46,7 @@ class PluginKind:
         """Return the object that the entry point of a name refers to.
 
         Raises:
-            BadFile: no plug-in of this name is installed, it cannot be imported, or it cannot be called.
+            BadFile: no plug-in of this name is installed, or the plug-in cannot be imported or called.
         """
         entry = self._entry(name)
         try:
@@ -111,7 +111,7 @@ def names_in(group: str) -> tuple[str, ...]:
 
 
 def package_of(key: str) -> str | None:
-    """Return the package and version of a plug-in by its key, or None if it is not installed or the key is invalid."""
+    """Return the package and version of a plug-in by its key, or None if there is none, or the key is invalid."""
     group, _, name = key.partition(":")
     found = [*entry_points(group=group, name=name)] if name else []
     return _package(found[-1]) if found else None

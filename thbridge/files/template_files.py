@@ -73,8 +73,8 @@ class TemplateSet:
         kinds: treasures with their images.
         dialogue: the scripted questions.
         pictures: the treasures' image files, by name.
-        language: language of its names and questions. If None, they are used in every language.
-        words: words in further languages, by their names.
+        language: language of its names and questions. If None, these are used in every language.
+        words: words in further languages, by the name of the language.
         warnings: contents that are allowed, but look like a mistake.
     """
 
@@ -118,7 +118,7 @@ def read_template_set(folder: Path, replaced: Mapping[str, bytes] = MappingProxy
         replaced: image files by name that are used instead of those in the folder.
 
     Raises:
-        BadFiles: all that is missing or wrong in its files, and all contradictions between them.
+        BadFiles: all faults of the files, missing files, and contradictions between files.
     """
     if not folder.is_dir():
         raise BadFile(folder, "the template folder does not exist", "name a folder that contains DialogueText")

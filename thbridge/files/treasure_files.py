@@ -1,7 +1,7 @@
 """Reading of lists of treasures: the lines of 2016, and `treasures.yaml`, which declares its own properties.
 
-A list of 2016 has two properties and does not declare them (`OF_2016`). Its copy for the participant's machine,
-`treasures.participant`, has the same lines without the pictures.
+A list of 2016 has two properties and does not declare them (`OF_2016`). The copy of this list for the participant's
+machine, `treasures.participant`, has the same lines without the pictures.
 """
 
 import dataclasses

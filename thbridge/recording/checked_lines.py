@@ -1,7 +1,8 @@
 """Lines of JSON with their length and a checksum, chained to all earlier lines, so that damage is never read as data.
 
-A line is an object. Its last members are `"length"` (bytes of the line without these two members) and `"sum"` (64 bits
-of BLAKE2b over the previous sum and the line without its own sum, hexadecimal). For other readers it is plain JSON.
+A line is an object. The last two members of the object are `"length"` (bytes of the line without these two members) and
+`"sum"`. The sum has 64 bits: BLAKE2b over the previous sum and the line without its own sum, hexadecimal. For other
+readers it is plain JSON.
 """
 
 import re

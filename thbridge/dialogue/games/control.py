@@ -43,7 +43,7 @@ class Opening:
 
 @dataclass(frozen=True, slots=True)
 class Conversation:
-    """All dialogues of one robot and one person. It is a value: methods that change it return the new value.
+    """All dialogues of one robot and one person. It is a value: methods return a changed copy.
 
     Attributes:
         rulebook: locutions and games.
@@ -99,10 +99,10 @@ class Conversation:
         """Return the possible openings of a dialogue about a proposition by a side.
 
         Args:
-            side: the side that opens it.
-            proposition: the proposition that it is about.
-            parent: number of the dialogue that will wait for the new one. Either it is this side's turn there, or the
-                dialogue is `refused` and this side is its defender.
+            side: the side that opens the dialogue.
+            proposition: the proposition that the dialogue is about.
+            parent: number of the dialogue that will wait for the new dialogue. Either it is this side's turn in the
+                parent, or the parent is `refused` and this side is its defender.
         """
         case = self.case(proposition)
         yes = Literal(proposition)

@@ -27,7 +27,7 @@ class GamePlay:
         number: number of the dialogue, from 1.
         game: table of the game.
         topic: topic of the dialogue.
-        initiator: the side that opened it.
+        initiator: the side that opened the dialogue.
         parent: number of the dialogue that waits for this dialogue; None if there is none.
         questions_refusal: True if it asks whether the opposite of a support holds, after a refusal of the support in
             its parent.
@@ -42,7 +42,7 @@ class GamePlay:
             cannot be questioned.
         put_off: the end that a refusal causes, while this end is postponed. The end is postponed from the question
             about the refusal until another move is made.
-        end: its end; None while it continues.
+        end: end of the dialogue; None while the dialogue continues.
     """
 
     number: int

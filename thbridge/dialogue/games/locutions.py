@@ -24,12 +24,12 @@ class Locution:
     """Definition of a locution with one kind of content.
 
     Attributes:
-        name: its name, as written in files.
-        content: kind of its content.
+        name: name of the locution, as written in files.
+        content: kind of the content.
         before: names of the conditions for a program.
         before_person: names of the conditions for a person.
         after: names of the effects.
-        of: slot to which this form applies. If None, it applies to all slots without a form of their own.
+        of: slot to which this form applies. If None, this form applies to all slots without a form of their own.
     """
 
     name: str

@@ -17,8 +17,8 @@ class TablePosition:
     Attributes:
         stage: name of the state.
         defender: the role (initiator or respondent) that made the last claim; None before there is a claim.
-        is_announced: True if its argument was stated as a whole.
-        is_offered: True if some of its support was stated.
+        is_announced: True if the argument for the claim was stated as a whole.
+        is_offered: True if some of the support was stated.
     """
 
     stage: str

@@ -66,7 +66,7 @@ class ScriptedEngine:
     def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:
         """Return the speaker's legal moves in an open dialogue, most agreeable first.
 
-        There are none if it is not the speaker's turn.
+        There are no moves if it is not the speaker's turn.
         """
         if self.protocol.speaker(dialogue) is not speaker:
             return ()

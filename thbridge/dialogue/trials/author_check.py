@@ -35,7 +35,7 @@ class AuthorTrial:
 
     Attributes:
         sentences: number of requested sentences.
-        taken: number of its own sentences that were accepted.
+        taken: number of the author's sentences that were accepted.
         faults: faults by their problems.
     """
 

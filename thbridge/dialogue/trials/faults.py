@@ -9,9 +9,9 @@ class TrialFault:
 
     Attributes:
         problem: the problem as a clause.
-        remedy: remedy for its author.
-        position: its context: the topic, the moves, or the offered sentence.
-        times: number of times that it was found.
+        remedy: remedy, for the author of the program.
+        position: context of the fault: the topic, the moves, or the offered sentence.
+        times: number of times that the fault was found.
     """
 
     problem: str

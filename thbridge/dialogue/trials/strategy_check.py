@@ -45,7 +45,7 @@ class StrategyTrial:
     Attributes:
         factory: makes the strategy.
         conversations: number of conversations played.
-        moves: number of moves that it had to choose.
+        moves: number of moves that the strategy had to choose.
         faults: faults by their problems.
     """
 

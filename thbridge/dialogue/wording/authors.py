@@ -37,8 +37,8 @@ class WordedLiteral:
     """Literal of a move, for an author.
 
     Attributes:
-        predicate: name of its predicate.
-        holds: False if it is negated.
+        predicate: name of the predicate.
+        holds: False if the literal is negated.
         values: values in words, by name.
         phrase: phrase from the files.
     """
@@ -106,8 +106,8 @@ class AuthoredSentence:
 
     Attributes:
         request: the request.
-        offered: the author's sentence; None if it offered none.
-        refusal: reason why it was refused; None if it was accepted, or none was offered.
+        offered: the author's sentence; None if the author offered no sentence.
+        refusal: reason why the sentence was refused; None if it was accepted, or there was no sentence.
     """
 
     request: WordingRequest

@@ -67,7 +67,7 @@ class Grammar:
     capital_nouns: bool = False
 
     def name(self, name: str) -> str:
-        """Return a name for people, in the words of the language if it has some for it."""
+        """Return a name for people; in the words of the language, if there are words for this name."""
         return self.names.get(name) or name_in_words(name)
 
     def named(self, names: Iterable[str]) -> str:
@@ -127,8 +127,8 @@ class MoveWording:
 
     Attributes:
         move: name of the locution.
-        content: kind of its content.
-        speaker: the side that says it.
+        content: kind of the move's content.
+        speaker: the side that makes the move.
         condition: condition of a study in which the entry applies. If None, it applies in all conditions.
         of: predicate to which the entry applies. If None, it applies to all predicates.
         holds: True for affirmed propositions only, False for negated ones only. If None, the entry applies to both.
@@ -187,10 +187,10 @@ class Language:
         """Return the most specific wordings of a proposition; empty if there are none.
 
         Args:
-            of: name of its predicate.
+            of: name of the proposition's predicate.
             speaker: the side that speaks.
             robot: robot that the proposition is about; None if it is about no robot.
-            holds: False for its negation.
+            holds: False for the negation.
             simply: True for simpler words, if there are any.
         """
         found = _most_specific(

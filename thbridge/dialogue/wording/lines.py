@@ -44,9 +44,9 @@ class LineMeaning:
     """Meaning of a line, for people who write it.
 
     Attributes:
-        speaker: the side that says it.
-        meaning: its purpose, or the situation in which it is said.
-        values: values that it may contain, by their reserved words.
+        speaker: the side that says the line.
+        meaning: purpose of the line, or the situation in which the line is said.
+        values: values that the line may contain, by their reserved words.
     """
 
     speaker: Side

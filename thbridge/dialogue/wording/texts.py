@@ -27,7 +27,7 @@ PREPOSITIONS = ("", "to", "from", "in")
 
 @dataclass(frozen=True, slots=True)
 class NamedRoom:
-    """A room, or the corridor: its number for people, and its own name; empty if it has none."""
+    """A room or the corridor: number for people, and name; the name is empty if there is none."""
 
     number: int
     name: str
@@ -60,7 +60,7 @@ class TextForms:
 
 @dataclass(frozen=True, slots=True)
 class Texts:
-    """All texts of a language, by their keys: the name of their file, a dot, and their name in it.
+    """All texts of a language, by key. A key has the name of the file, a dot, and the name of the text in the file.
 
     In a text, reserved words between pound signs stand for values; at the beginning of a sentence they get a capital
     letter. The name of a value determines its form: see `ROBOT_VALUES`, `ROOM_VALUES` and `COUNT`. Any other text is
@@ -107,7 +107,7 @@ class Texts:
         return fill(self.forms.robot, {"number": str(number_of(robot))})
 
     def room(self, room: Room | int, preposition: str = "", *, name: str = "") -> str:
-        """Return a room for use within a sentence, with the given preposition, and with its own name if it has one."""
+        """Return a room for use within a sentence, with the given preposition, and with its name if there is one."""
         number = room.people if isinstance(room, Room) else room
         if number == CORRIDOR.people:
             return self.forms.corridor[preposition]

@@ -128,7 +128,7 @@ class _Clauses:
     def of(self, literal: Literal) -> str:
         """Return the clause for a literal.
 
-        If it has several parts and no words of its own, return the clauses of all parts.
+        For a literal that has several parts and no words of its own, return the clauses of all parts.
         """
         predicate = predicate_of(literal.proposition)
         if predicate is None:
@@ -251,7 +251,8 @@ A key has two flags: True if the wording begins a sentence, and True if a capita
 def reasons(support: Iterable[Belief], conclusion: Belief) -> list[Belief]:
     """Return the beliefs on which an argument rests, in the order of the sentence.
 
-    They follow the list of predicates, rules last. Among beliefs of one predicate, the conclusion's room comes first.
+    The beliefs follow the list of predicates, rules last. Among beliefs of one predicate, the conclusion's room comes
+    first.
     """
     follows = conclusion.conclusion if isinstance(conclusion, Rule) else conclusion
     room: Room | None = getattr(follows.parts[0].proposition, "room", None)

@@ -1,6 +1,6 @@
 """A text file that both a program and people edit.
 
-It is read with all its bytes, and written completely or not at all.
+The file is read with all bytes, and written completely or not at all.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ class TextOnDisk:
     Attributes:
         text: the text with its own line ends; empty if there is no file.
         exists: True if there is a file.
-        marked: True if it begins with a byte order mark.
+        marked: True if the file begins with a byte order mark.
     """
 
     text: str

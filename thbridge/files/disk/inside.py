@@ -18,7 +18,7 @@ def path_inside(folder: Path, *names: str) -> Path:
     """Return the path of a file or folder inside a folder.
 
     Args:
-        folder: the trusted folder; its path may contain a link, and it does not have to exist.
+        folder: the trusted folder, which does not have to exist. Its path may contain a link.
         names: one untrusted name for each level below the folder.
 
     Raises:

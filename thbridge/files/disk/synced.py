@@ -1,8 +1,7 @@
 """Files and names that survive a power cut.
 
-Written bytes and new names are at first only in memory. They survive if the program is killed, but a power cut can lose
-any of them. So a file gets its name after its bytes are on the disk, and its folder is synced before success is
-reported.
+Written bytes and new names are at first only in memory. Both survive if the program is killed, but a power cut can lose
+any of them. So a file gets its name after its bytes are on the disk. The folder is synced before success is reported.
 """
 
 import contextlib
@@ -34,7 +33,7 @@ def sync_folder(folder: Path) -> None:
 
 
 def make_folder(folder: Path) -> None:
-    """Create a folder and missing folders above it; they survive a power cut when this returns.
+    """Create a folder and missing folders above it. From then on, these folders survive a power cut.
 
     Raises:
         BadFile: a link of another account leads to it.

@@ -13,7 +13,7 @@ from thbridge.files.disk.synced import make_folder, put_in_free_place, put_in_pl
 from thbridge.files.errors import BadFile, reason_of
 
 PART = ".part"
-"""Suffix of a file while it is being written; its name begins with a dot, so that readers of folders skip it."""
+"""Suffix of a file that is being written; the name of this file begins with a dot, so that readers skip it."""
 
 REMEDY = "check the folder and the disk"
 
@@ -98,8 +98,8 @@ def new_folder(folder: Path, remedy: str = "choose another folder", *, empty: bo
     """Yield a folder to fill; if the block ends without an error, its contents are in the folder of the given name.
 
     Args:
-        folder: its final path; missing folders above it are created.
-        remedy: remedy if it already exists or cannot be written, as a clause.
+        folder: final path of the folder; missing folders above it are created.
+        remedy: remedy if the folder already exists or cannot be written, as a clause.
         empty: True to also fill an existing folder that is empty.
 
     Raises:

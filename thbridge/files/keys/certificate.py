@@ -1,4 +1,4 @@
-"""Certificate by which clients identify a session. It is created on first use, or supplied by the lab."""
+"""Certificate by which clients identify a session. The certificate is created on first use, or supplied by the lab."""
 
 import datetime
 import hashlib
@@ -36,7 +36,7 @@ class Certificate:
 
 
 def certificate_of(folder: Path, now: str) -> Certificate:
-    """Return the certificate in a folder of keys, creating it if it does not exist.
+    """Return the certificate in a folder of keys. Create a certificate if there is none.
 
     Args:
         folder: folder of the keys; created if missing.

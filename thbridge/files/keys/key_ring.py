@@ -37,12 +37,12 @@ class KeyEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     """A key of a ring.
 
     Attributes:
-        name: name of the person or program that has it.
-        rights: rights that it gives; intervening includes watching, and admin includes everything.
+        name: name of the person or program that has the key.
+        rights: rights of the holder; intervening includes watching, and admin includes everything.
         digest: SHA-256 of the secret, which itself has 256 bits and cannot be guessed.
         created: date and time, UTC.
-        expires: date and time from which it is invalid. If None, it does not expire.
-        revoked: date and time at which it was revoked. If None, it was not revoked.
+        expires: date and time from which the key is invalid. If None, the key does not expire.
+        revoked: date and time at which the key was revoked. If None, the key was not revoked.
         game: the only game for which a participant's key is valid. If None, this will be the next game that uses it.
     """
 

@@ -13,9 +13,9 @@ class RosDefault:
     """A parameter that ROS files leave out, with ROS's default.
 
     Attributes:
-        name: its path, such as `amcl.max_particles`.
+        name: path of the parameter, such as `amcl.max_particles`.
         value: ROS's default, which is used.
-        hunts: its value in hunts.
+        hunts: value in hunts.
     """
 
     name: str

@@ -208,7 +208,7 @@ class RosFiles:
 
 
 def parse_ros_files(paths: Sequence[Path]) -> RosFiles:
-    """Read ROS files, each given by its path, or with the namespace into which it is loaded: `NAMESPACE:PATH`.
+    """Read ROS files, each given by a path, or by the namespace for its contents and the path: `NAMESPACE:PATH`.
 
     Raises:
         BadFile: a file cannot be read at all.
@@ -279,7 +279,7 @@ def _has_nodes(tree: Section) -> bool:
 
 
 def _without_static_map(path: Path, tree: Section, listed: Collection[str], notices: list[str]) -> Section:
-    """Return the entries without `static_map` in costmaps that list their layers: ROS does not read it there."""
+    """Return the entries without `static_map` in costmaps that list their layers: there, ROS does not read it."""
     sections: list[Entry] = []
     for key, child in tree.entries:
         kept = child

@@ -20,8 +20,8 @@ MOST_FAULTS = 10
 def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:
     """Return the rows of a CSV file with exactly these columns in its header, in any order; empty lines are skipped.
 
-    Values may be separated by semicolons or tabs, as spreadsheets write them if the decimal mark is a comma. Then
-    numbers may have either decimal mark.
+    Spreadsheets separate values by semicolons or tabs if the decimal mark is a comma. In these files, the decimal mark
+    may be a comma or a point.
 
     Returns:
         (rows, columns) finite numbers, with columns in the requested order; at least one row.

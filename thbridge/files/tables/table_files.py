@@ -44,8 +44,8 @@ class Column:
 
     Attributes:
         name: name, unique in its table.
-        kind: type of its values: "float64", "string", "float32[]", "bytes", ...
-        unit: unit such as "m", or "" if it has none or it is unknown.
+        kind: type of the values: "float64", "string", "float32[]", "bytes", ...
+        unit: unit such as "m", or "" if there is none or it is unknown.
         meaning: a phrase for people, or "" if it is unknown.
         frame_column: name of the column with the frame of the values, in this table or its parent table; or "".
     """

@@ -1,8 +1,8 @@
 """Changes of single values in the text of a YAML file, without changing any other byte.
 
 The file's tree gives the position of a change. New lines use the file's own indentation. Afterwards the new text
-is parsed again. It must have the same values as the old text, except for the changed value. If a file is written in a
-way that this module does not handle, the change is refused and nothing is lost.
+is parsed again. The new text must have the same values as the old text, except for the changed value. If a file is
+written in a way that this module does not handle, the change is refused and nothing is lost.
 """
 
 import re
@@ -317,7 +317,7 @@ def in_brackets(node: Node) -> str:
 
 
 def _without_lines(text: str, start: int, end: int) -> str:
-    """Return the text without the lines from `start` to `end`; a comment after them is kept, on its own line."""
+    """Return the text without the lines from `start` to `end`; a comment after these lines is kept, on its own line."""
     start = line_start(text, start)
     comment = _COMMENT_BEHIND.match(text, end)
     if comment is not None and comment.group(1):

@@ -73,7 +73,7 @@ def load(path: Path, into: type[T]) -> Loaded[T]:
     """Read a YAML file into a dataclass, with fields that are declared with `sim.parameters.param` or without it.
 
     If a field has a dataclass as its default, a section in the file changes only the values that it contains. The names
-    in a class's `ros_only` are accepted, with a notice; names in its `renamed` are read as their present names.
+    in a class's `ros_only` are accepted, with a notice; a name in the class's `renamed` is read as its present name.
 
     Fields may be bool, int, float, str, Literal, StrEnum, Path, tuples, dataclasses, and any of these or None. A field
     without a default must be in the file. An empty section keeps its defaults. A field may also be a mapping from
@@ -430,7 +430,7 @@ def _named(node: Section, into: type, defaults: "DataclassInstance | None") -> M
 
 
 def _handed_down(node: Section, into: type) -> Section:
-    """Return the section with some entries moved to its parts, as in ROS; they replace the parts' own entries.
+    """Return the section with some entries moved to its parts, as in ROS. They replace the entries of the parts.
 
     If both the section and the part have a field of this name, and both values are written, the part's own value stays.
     A complete study in a recording has both values.

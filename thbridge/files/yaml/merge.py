@@ -12,7 +12,7 @@ def nested(key: str, node: Node, line: int, written_at: str = "") -> Node:
         key: the path.
         node: value at the path.
         line: line of the keys.
-        written_at: path at which people wrote the value, if it is different; the keys store it for messages.
+        written_at: path at which people wrote the value, if this path is different; the keys store it for messages.
     """
     for name in reversed(key.split(".")):
         node = Section(line, [(Scalar(name, True, line, place=written_at), node)])

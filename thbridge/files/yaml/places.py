@@ -105,6 +105,6 @@ def column_of(text: str, at: int) -> int:
 
 
 def behind_key(text: str, name: Scalar) -> int:
-    """Return the offset of a key's end, after its colon if it has one."""
+    """Return the offset of a key's end, after the colon if there is one."""
     colon = _COLON.match(text, name.end)
     return name.end if colon is None else colon.end()

@@ -36,9 +36,9 @@ reads them."""
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """A word, number or text; `plain` if it has no quotes; `tag` is a word such as `!degrees` before it.
+    """A word, number or text. `plain` is True without quotes; `tag` is a word such as `!degrees` before it.
 
-    `start` and `end` are its offsets in the text, with its quotes; they are equal for a value that was left out.
+    `start` and `end` are its offsets in the text, including quotes. For a value that was left out, both are equal.
     `place` is the path of a key that was moved within the tree, as people wrote it, for messages.
     """
 

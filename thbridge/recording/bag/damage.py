@@ -27,7 +27,7 @@ _STUMBLES = (
     MemoryError,
     RuntimeError,
 )
-"""Errors of rosbags and of its decompressors for damaged files; they include failed assertions."""
+"""Errors of rosbags and of its decompressors for damaged files, including failed assertions."""
 
 
 class TooLargeChunk(ValueError):  # noqa: N818 - it names the fault of a chunk

@@ -35,13 +35,13 @@ class BagConnection:
     """One connection of a bag: a publisher of a topic. Two connections are equal only if they are the same object.
 
     Attributes:
-        number: its number in the bag.
-        topic: its topic.
+        number: number of the connection in the bag.
+        topic: name of the topic.
         msgtype: for example "nav_msgs/Odometry".
         md5: md5 sum of the type.
         definition: definition of the type, with the definitions of the types in it.
         caller: name of the publishing node; None if unknown.
-        latching: True when late subscribers get the last message; None if unknown.
+        latching: True if late subscribers get the last message; None if unknown.
         source: origin of the definition.
     """
 
@@ -61,7 +61,7 @@ def time_bytes(stamp_ns: int) -> bytes:
 
 
 def bag_header(index_pos: int, connections: int, chunks: int) -> bytes:
-    """Return the first record. It always has the same length; its numbers are 0 while the bag is being written."""
+    """Return the first record, which always has the same length. Its numbers are 0 while the bag is being written."""
     header = _header(
         RecordType.BAGHEADER,
         index_pos=_U64.pack(index_pos),

@@ -46,8 +46,8 @@ def reindex(path: Path) -> RepairResult:
 
     The result for `NAME.bag` and `NAME.bag.active` is `NAME.bag`, and the old file becomes `NAME.orig.bag`. Every
     complete message is recovered, even in a chunk that is cut off, and after an unreadable record or chunk. A
-    connection without a definition gets the known definition with its md5 sum. If there is none, it gets the known
-    definition of its type's name, if its first message fits. The old file stays until the new one is complete.
+    connection without a definition gets the known definition with its md5 sum. Otherwise the connection gets the known
+    definition for the name of its type, if the first message fits. The old file stays until the new one is complete.
 
     Raises:
         BadFile: the file is not a ROS 1 bag, another file would be overwritten, or the disk is full.
@@ -154,7 +154,8 @@ def _copy(path: Path, fresh: Path, compression: Compression) -> tuple[int, int |
                     undefined = (undefined - {number}) | _undefined({number: made})
             case MessageRecord(number, stamp_ns, data):
                 if number not in connections and not looked_everywhere:
-                    # The chunk with its connection cannot be read; a later chunk or the index may have it again.
+                    # The chunk with this connection cannot be read; a later chunk or the index may contain the
+                    # connection again.
                     connections = _all_connections(path) | connections
                     undefined |= _undefined({number: connections[number]} if number in connections else {})
                     looked_everywhere = True

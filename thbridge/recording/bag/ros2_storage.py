@@ -42,7 +42,7 @@ A message has at least a dozen bytes, and needs about twenty steps in each of th
 
 @contextmanager
 def plain_recording(path: Path, work: Path) -> Iterator[Path]:
-    """Yield the path of an unpacked recording of ROS 2 or MCAP file: its own path, or that of a temporary copy.
+    """Yield the path of an unpacked recording of ROS 2 or MCAP file: its own path, or the path of a temporary copy.
 
     Its MCAP files are checked.
 
@@ -51,7 +51,7 @@ def plain_recording(path: Path, work: Path) -> Iterator[Path]:
         work: a folder for the copy.
 
     Raises: TooLargeChunk: its unpacked size is above the limit.
-        BadFile: one of its files is a pipe or a device, or a link leads out of its folder.
+        BadFile: a file of the recording is a pipe or a device, or a link leads out of the recording's folder.
         OSError, YAMLError: a file cannot be read.
     """
     for file in path.rglob("*") if path.is_dir() else [path]:

@@ -61,10 +61,10 @@ def unpacked(compression: str, packed: bytes, size: int) -> bytes:
 
     Args:
         compression: a name of `COMPRESSIONS`.
-        packed: its bytes in the file.
-        size: bytes of its data according to its record.
+        packed: bytes of the chunk in the file.
+        size: size of the unpacked data according to the chunk's record, bytes.
 
-    Raises: TooLargeChunk: its unpacked size is above that in its record, or above the limit for a chunk.
+    Raises: TooLargeChunk: the unpacked size is above the size in the record, or above the limit for a chunk.
         ValueError: the compression is unknown.
         OSError, RuntimeError, EOFError: the stream is damaged.
     """
@@ -86,7 +86,7 @@ def unpacked(compression: str, packed: bytes, size: int) -> bytes:
 def unpacked_message(packed: bytes, so_far: UnpackedBytes) -> bytes:
     """Return the data of a rosbag2 message that is packed with zstd, and count them.
 
-    Raises: TooLargeChunk: its unpacked size is above the limit for a chunk of its size, or for the file.
+    Raises: TooLargeChunk: the unpacked size is above the limit for a packed chunk of this size, or for the file.
         ZstdError: it is damaged.
     """
     data = b"".join(_zstd_pieces(BytesIO(packed), max(ALWAYS, TIMES_PACKED * len(packed)), so_far))
@@ -98,7 +98,7 @@ def unpacked_message(packed: bytes, so_far: UnpackedBytes) -> bytes:
 def unpack_file(packed: Path, to: Path, so_far: UnpackedBytes) -> None:
     """Unpack a file of rosbag2 that is packed with zstd as a whole.
 
-    Raises: TooLargeChunk: its unpacked size is above the limit for a file of its size.
+    Raises: TooLargeChunk: the unpacked size is above the limit for a packed file of this size.
         ZstdError: it is damaged.
         OSError: a file cannot be read or written.
     """
@@ -113,7 +113,7 @@ def check_mcap(path: Path) -> None:
 
     Files of other kinds are ignored.
 
-    Raises: TooLargeChunk: an unpacked size is above that in the record, or above the limit.
+    Raises: TooLargeChunk: an unpacked size is above the size in the record, or above the limit.
         OSError: the file cannot be read.
     """
     if not is_regular(path):

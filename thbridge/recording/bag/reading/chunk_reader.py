@@ -39,8 +39,8 @@ class ChunkInfo:
     Attributes:
         file: index of the file among the recording's parts.
         position: offset of the chunk in the file.
-        start_ns: stamp of its first message.
-        end_ns: stamp of its last message.
+        start_ns: stamp of the first message in the chunk.
+        end_ns: stamp of the last message in the chunk.
         counts: number of messages by connection number.
     """
 

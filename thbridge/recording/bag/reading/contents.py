@@ -18,11 +18,11 @@ class ConnectionStamps:
     """One connection of a bag, with the stamps of its messages.
 
     Attributes:
-        topic: its name.
+        topic: name of the topic.
         msgtype: for example "nav_msgs/Odometry".
         md5: md5 sum of the type.
-        caller: name of the node; None if it was not recorded.
-        latched: True when late subscribers get the last message.
+        caller: name of the node; None if the name was not recorded.
+        latched: True if late subscribers get the last message.
         stamps_ns: (n,) stamps of its messages, in ascending order.
     """
 

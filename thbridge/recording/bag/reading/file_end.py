@@ -40,8 +40,8 @@ def read_end(file: BinaryIO, number: int, part: Path, end: FileEnd) -> Iterator[
 
     Args:
         file: the file.
-        number: its number among the recording's parts.
-        part: its path.
+        number: number of the file among the recording's parts.
+        part: path of the file.
         end: object that receives the result.
 
     Raises:

@@ -33,8 +33,8 @@ class IndexedConnection:
 
     Attributes:
         file: index of the file among the recording's parts.
-        number: its number in the file.
-        topic: its topic.
+        number: number of the connection in the file.
+        topic: name of the topic.
         msgtype: for example "nav_msgs/Odometry".
         md5: md5 sum of the type.
         definition: definition of the type and of the types in it.
@@ -54,10 +54,10 @@ class MessageLocation(NamedTuple):
     Attributes:
         stamp_ns: stamp of recording.
         file: index of the file.
-        position: offset of its chunk in the file.
-        offset: offset of its record in the unpacked chunk.
+        position: offset of the message's chunk in the file.
+        offset: offset of the message's record in the unpacked chunk.
         chunk: index of the chunk in `BagIndex`.
-        publisher: its connection.
+        publisher: connection of the message.
     """
 
     stamp_ns: int

@@ -27,11 +27,11 @@ class TopicInfo:
     """One topic of a bag.
 
     Attributes:
-        name: its name, with the leading slash.
+        name: name of the topic, with the leading slash.
         msgtype: type of its messages, such as "nav_msgs/Odometry"; if publishers have different types, all types,
             separated by commas.
         messages: number of messages.
-        latched: True when a publisher latches it.
+        latched: True if a publisher latches the topic.
     """
 
     name: str
@@ -67,11 +67,11 @@ class RawMessage(NamedTuple):
     """One message of a bag, not decoded.
 
     Attributes:
-        topic: its topic.
+        topic: name of the topic.
         msgtype: for example "nav_msgs/Odometry".
-        md5: md5 sum of its type; it differs between releases if the type's fields differ.
+        md5: md5 sum of the type. The sum differs between releases if the fields of the type differ.
         stamp_ns: stamp of recording.
-        data: its bytes.
+        data: bytes of the message.
     """
 
     topic: str
@@ -143,10 +143,10 @@ def recorded(
     Messages with equal stamps come in the order of recording. Only a few chunks are in memory, for recordings of any
     size.
 
-    The parts of a split recording are read as one. A part repeats latched messages at its beginning, so that it can be
-    played by itself; these repetitions are left out. A publisher that is in several parts is represented by one object.
-    A publisher without a complete definition gets the known definition with its md5 sum. If there is none, it gets the
-    known definition of its type's name, if its first message fits.
+    The parts of a split recording are read as one. A part repeats latched messages at its beginning, so that each part
+    can be played alone. These repetitions are left out. A publisher that is in several parts is represented by one
+    object. A publisher without a complete definition gets the known definition with its md5 sum. Otherwise the
+    publisher gets the known definition for the name of its type, if the first message fits.
 
     Args:
         path: the bag, or the name of a split recording.
@@ -254,7 +254,7 @@ def opened(path: Path) -> Iterator[tuple[FileEnd, ChunkReader]]:
     """Open one file: the index at its end, and a reader of its chunks. A ROS 2 recording is converted first.
 
     Raises:
-        BadFile: there is no such file, it is not a recording, or it is cut off or damaged.
+        BadFile: the file does not exist, is not a recording, or is cut off or damaged.
     """
     path = as_ros1(path)
     check_is_bag(path)

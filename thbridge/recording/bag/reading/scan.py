@@ -1,4 +1,4 @@
-"""Reader of all records of a ROS 1 bag from beginning to end, without its index. It reports unreadable bytes.
+"""Reader of all records of a ROS 1 bag from beginning to end, without its index. The reader reports unreadable bytes.
 
 Source: the bag format 2.0 of ROS 1 (rosbag, bag.py and bag.cpp).
 """
@@ -55,12 +55,12 @@ class ConnectionRecord:
     """A connection record: one publisher of one topic.
 
     Attributes:
-        number: its number in message records.
-        topic: its topic.
+        number: number of the connection in message records.
+        topic: name of the topic.
         msgtype: for example "nav_msgs/Odometry".
         md5: md5 sum of the type.
         definition: definition of the type and of all types in it.
-        caller: name of the node, or None if it was not recorded.
+        caller: name of the node, or None if the name was not recorded.
         latching: the text in the file, normally "0" or "1"; None if it was not recorded.
         lacks: required fields that are missing; they are empty here.
     """
@@ -87,8 +87,8 @@ class ChunkRecord:
     Attributes:
         position: offset of the record in the file.
         compression: name of the compression.
-        size: bytes of its data in the file.
-        unpacked: bytes of its unpacked data.
+        size: size of the packed data in the file, bytes.
+        unpacked: size of the unpacked data, bytes.
         lz4_flags: the byte FLG of an LZ4 frame; None for other compressions.
     """
 
@@ -224,7 +224,7 @@ def _outer(at: int, kind: int, fields: dict[bytes, bytes], data: bytes, so_far: 
     match kind:
         case RecordType.BAGHEADER:
             encryptor = fields.get(b"encryptor", b"").decode(errors="replace")
-            # Each field has its length of 4 bytes before it, and contains a "=".
+            # Before each field is its length (4 bytes). Each field contains a "=".
             length = sum(len(name) + len(value) + 5 for name, value in fields.items()) + len(data)
             yield BagHeaderRecord(
                 _unpack(_UINT64, fields, b"index_pos"),
@@ -349,7 +349,7 @@ def _uint32(data: bytes) -> int:
 
 
 def _sized(data: bytes, at: int) -> tuple[bytes, int]:
-    """Return the bytes that follow their own length (4 bytes), and their end."""
+    """Return bytes that are stored after their length (4 bytes), and the offset of their end."""
     if at + 4 > len(data):
         raise _Torn("a chunk ends in the middle of a record")
     start = at + 4

@@ -94,8 +94,8 @@ class ChunkFile:
         """Write the index, once. Raises OSError; then the file is unchanged, and this may be called again."""
         if self._complete:
             return
-        # Connections are sorted, because readers use their order for messages with equal stamps. It must be the same in
-        # all parts.
+        # Connections are sorted, because readers use the order of connections for messages with equal stamps. The order
+        # must be the same in all parts.
         known = sorted(self._known, key=lambda connection: connection.number)
         position, self._index_bytes = self.size, 0
         self._append(b"".join((*map(connection_record, known), *self._infos)))

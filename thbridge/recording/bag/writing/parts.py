@@ -18,8 +18,8 @@ class QueuedChunk:
 
     Attributes:
         chunk: the chunk.
-        latched: the last message of every latched topic before it.
-        period: number of its period of `SplitLimits.duration_ns`, from 0.
+        latched: the last message of every latched topic before the chunk.
+        period: number of the chunk's period of `SplitLimits.duration_ns`, from 0.
     """
 
     chunk: Chunk
@@ -84,7 +84,7 @@ class SplitBagWriter:
             self._syncing.submit(self._file.sync)
 
     def finish(self) -> None:
-        """Complete the file; it gets its final name when it is on the disk. Raises OSError."""
+        """Complete the file; after it is on the disk, it gets its final name. Raises OSError."""
         file = self._file
         file.finish()
         self._syncing.submit(lambda: self._settle(file))

@@ -34,7 +34,7 @@ class ForeignTopic:
         md5: md5 sum of the type.
         definition: definition of the type, with the definitions of the types in it.
         caller: name of the node.
-        latched: True when late subscribers get the last message.
+        latched: True if late subscribers get the last message.
     """
 
     name: str
