@@ -1,1 +1,1 @@
-"""Batches: sweeps of many games over the factors of a design, played by any number of worker processes."""
+"""Sweeps: many games over the factors of a design, played by several worker processes."""

@@ -1,10 +1,10 @@
-"""Bands around curves; a separate module, so that commands can offer them without loading a plotting library."""
+"""Kinds of confidence bands. In this separate module, commands can use them without loading a plotting library."""
 
 from enum import StrEnum
 
 
 class BandKind(StrEnum):
-    """Method for the confidence interval of a mean: Student's t, or percentiles of a bootstrap."""
+    """Method for the confidence interval of a mean: Student's t, or the percentiles of a bootstrap."""
 
     T = "t"
     BOOTSTRAP = "bootstrap"

@@ -1,4 +1,4 @@
-"""Chunks: parts of a sweep, each with some games of one condition that a worker plays together."""
+"""Chunks: parts of a sweep. A chunk is some games of one condition; one worker plays all of them."""
 
 import itertools
 import re
@@ -15,9 +15,9 @@ class GameChunk:
     """Some games of one condition.
 
     Attributes:
-        number: number in the whole sweep, from 1.
+        number: number of the chunk in the sweep, from 1.
         condition: number of the condition.
-        seeds: random seeds of its games.
+        seeds: random seeds of the games.
     """
 
     number: int
@@ -27,18 +27,23 @@ class GameChunk:
 
 @dataclass(frozen=True, slots=True)
 class Shard:
-    """One of several equal parts of a sweep; `number` counts from 1."""
+    """One of several equal parts of a sweep.
+
+    Attributes:
+        number: number of this part, from 1.
+        parts: number of parts.
+    """
 
     number: int = 1
     parts: int = 1
 
     def has(self, chunk: GameChunk) -> bool:
-        """Return True if a chunk belongs to this part. Each chunk belongs to exactly one part."""
+        """Return True if a chunk belongs to this part. Each chunk belongs to exactly one part of the sweep."""
         return chunk.number % self.parts == self.number - 1
 
 
 def shard_in(text: str) -> Shard | None:
-    """Return the shard in a text such as "2/8", or None for any other text."""
+    """Return the shard for a text such as "2/8", or None for another text."""
     found = _SHARD.fullmatch(text)
     if found is None or int(found[1]) > int(found[2]):
         return None
@@ -48,7 +53,7 @@ def shard_in(text: str) -> Shard | None:
 def chunks_of(conditions: int, seeds: Sequence[int], size: int) -> tuple[GameChunk, ...]:
     """Return all chunks of a sweep.
 
-    The first chunks of all conditions come first, so that early results cover all conditions.
+    The first chunks of all conditions are at the beginning, so that early results cover all conditions.
 
     Args:
         conditions: number of conditions.
@@ -61,5 +66,5 @@ def chunks_of(conditions: int, seeds: Sequence[int], size: int) -> tuple[GameChu
 
 
 def is_drawn(purpose: str, one_in: int, condition: int, seed: int) -> bool:
-    """Return True for about one game in `one_in`, chosen at random by condition and seed; 0 chooses none, 1 all."""
+    """Return True for about one game in `one_in`, chosen at random by condition and seed. If 0, return False."""
     return one_in > 0 and noise.uniform(noise.key(condition, "sweep", purpose), seed, 0) * one_in < 1.0

@@ -1,4 +1,4 @@
-"""The design of a sweep: a study, the differences between conditions, and the number of games in each condition."""
+"""The design of a sweep: a study, the conditions, and the number of games in each condition."""
 
 import math
 import re
@@ -26,32 +26,40 @@ LARGEST_SEED = 2**31 - 1
 MOST_CONDITIONS = 10_000
 _ONE_IN = re.compile(r"1 in ([1-9]\d{0,8})")
 _OWN_READING = ("base", "factors", "conditions")
-"""Keys of a design that contain keys of studies."""
+"""Keys of a design whose sections contain keys of studies."""
 
 
 @dataclass(frozen=True, slots=True)
 class SweepFile:
     """Contents of the file of a design."""
 
-    study: Path | None = param(None, "study file of all games, relative to this file's folder; if null, the defaults")
-    base: Mapping[str, str] = field(default_factory=dict, metadata={"help": "keys of the study, overriding its file"})
+    study: Path | None = param(
+        None, "path of the study file for all games, relative to the folder of this file; if null, the defaults"
+    )
+    base: Mapping[str, str] = field(
+        default_factory=dict, metadata={"help": "keys of the study that override the study file"}
+    )
     factors: Mapping[str, str] = field(
         default_factory=dict,
-        metadata={"help": "levels of each factor; each combination of levels is a condition"},
+        metadata={"help": "factors with their levels; each combination of levels is a condition"},
     )
     conditions: Mapping[str, str] = field(
-        default_factory=dict, metadata={"help": "further conditions, each a line - {key: value, ...}"}
+        default_factory=dict, metadata={"help": "further conditions; write each as a line - {key: value, ...}"}
     )
-    replicates: int = param(10, "games in each condition, with consecutive seeds", "", 1, 10**9)
-    first_seed: int = param(1, "seed of the first game of each condition", "", 0, LARGEST_SEED)
+    replicates: int = param(10, "number of games in each condition, with consecutive random seeds", "", 1, 10**9)
+    first_seed: int = param(1, "random seed of the first game in each condition", "", 0, LARGEST_SEED)
     seeds: tuple[int, ...] | None = param(
-        None, "list of seeds, instead of replicates and first_seed", "", 0, LARGEST_SEED
+        None, "list of random seeds, instead of replicates and first_seed", "", 0, LARGEST_SEED
     )
-    max_seconds: float = param(AN_HOUR, "simulated time after which an unfinished game is stopped", "s", 1, 1e6)
-    measures: tuple[str, ...] = param(MEASURES, "measures to keep of each game", choices=MEASURES)
-    bags: str = param("no", "games to record into a bag: no, yes, or for example `1 in 50`")
-    verify: int = param(100, "play one game in N again on another worker, and compare; 0: none", "", 0)
-    chunk: int = param(20, "games of a condition that a worker plays together and writes to one file", "", 1, 10**6)
+    max_seconds: float = param(AN_HOUR, "simulated time after which an unfinished game stops", "s", 1, 1e6)
+    measures: tuple[str, ...] = param(MEASURES, "measures of each game in the results", choices=MEASURES)
+    bags: str = param("no", "games that are recorded in a bag: no, yes, or for example `1 in 50`")
+    verify: int = param(
+        100, "repeat one game in N on another worker, and compare the results; 0: no repetitions", "", 0
+    )
+    chunk: int = param(
+        20, "number of games of a condition that a worker plays in a row and writes to one file", "", 1, 10**6
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,9 +67,10 @@ class SweepCondition:
     """One condition of a sweep.
 
     Attributes:
-        number: number from 1.
-        levels: the level of each factor, as written in the file; for explicit conditions, the keys that they name.
-        study: the study. Its own seed is replaced by the seeds of the games.
+        number: number of the condition, from 1.
+        levels: the level of each factor, as written in the file. For a condition of the list `conditions`, its keys and
+            values.
+        study: the study. The seeds of the games replace its own seed.
     """
 
     number: int
@@ -75,21 +84,21 @@ class SweepCondition:
 
 @dataclass(frozen=True, slots=True)
 class SweepDesign:
-    """A design, read and checked.
+    """A design after reading and checking.
 
     Attributes:
-        path: path of its file.
-        `beside`: the folder that paths in its studies are relative to.
-        conditions: conditions in their order.
+        path: path of the design's file.
+        `beside`: the folder for relative paths in the studies.
+        conditions: conditions in order.
         factors: names of all factors.
-        seeds: seeds of the games in each condition. All conditions have the same seeds, so they share their random
+        seeds: random seeds of the games in each condition. All conditions have the same seeds, and so the same random
             numbers.
-        max_seconds: simulated time after which an unfinished game is stopped.
-        measures: names of the measures that are kept for each game.
-        one_bag_in: N if one game in N is recorded; 0 if none is.
-        one_verified_in: N if one game in N is played again; 0 if none is.
-        chunk: greatest number of games in one file.
-        doubts: possible mistakes in the files that conditions name.
+        max_seconds: simulated time after which an unfinished game stops.
+        measures: names of the measures in the results.
+        one_bag_in: N if one game in N is recorded; 0 if no game is recorded.
+        one_verified_in: N if one game in N is repeated; 0 if no game is repeated.
+        chunk: greatest number of games in a chunk.
+        doubts: possible mistakes in the files of the conditions.
     """
 
     path: Path
@@ -116,7 +125,7 @@ class SweepDesign:
 
 
 def read_design(path: Path) -> SweepDesign:
-    """Read a design, and check the study of every condition with all files that it names.
+    """Read a design. Check the study of every condition, with all files that the study names.
 
     Raises:
         BadFile: the design cannot be read, or a study has faults. BadFiles reports all faults at once.
@@ -137,7 +146,9 @@ def read_design(path: Path) -> SweepDesign:
     check_keys_set_once(path, base, factors)
     games = math.prod(map(len, factors.values())) * len(file.seeds or range(file.replicates))
     if games > MOST_GAMES:
-        raise loaded.fault("replicates", f"{games} games, but a sweep has at most {MOST_GAMES}", "Write fewer")
+        raise loaded.fault(
+            "replicates", f"{games} games, but a sweep may have at most {MOST_GAMES}", "Write fewer games"
+        )
     conditions: list[SweepCondition] = []
     start, settings = resolved_tree(study), SettingCache(beside)
     explicit = list(_explicit(path, entries.get("conditions")))
@@ -166,51 +177,58 @@ def read_design(path: Path) -> SweepDesign:
 
 
 MOST_GAMES = 10_000_000
-"""Largest number of games of a sweep. They take a year on about twenty cores."""
+"""Largest number of games in a sweep. They need about one year on twenty cores."""
 MOST_FAULTS = 10
-"""Number of faults of conditions after which reading stops."""
+"""Number of faults in conditions after which reading stops."""
 
 
 def _check(loaded: Loaded[SweepFile]) -> None:
-    """Raise BadFile for values that are valid alone, but not together."""
+    """Raise BadFile for values that are valid alone, but contradict each other."""
     file = loaded.value
     if _one_in(file.bags) is None:
         raise loaded.fault("bags", f"{file.bags!r} is not a valid choice", "Write no, yes, or for example `1 in 50`")
     if file.seeds is not None and not file.seeds:
-        raise loaded.fault("seeds", "no seeds, so there are no games", "Write some, or delete the line")
+        raise loaded.fault(
+            "seeds", "the list has no seeds, so there are no games", "Write some seeds, or delete the line"
+        )
     if file.seeds is not None and len(set(file.seeds)) < len(file.seeds):
-        raise loaded.fault("seeds", "a seed is listed twice", "Write each once: the same seed gives the same game")
+        raise loaded.fault(
+            "seeds", "a seed is listed twice", "Write each seed once, because the same seed gives the same game"
+        )
     for key in ("replicates", "first_seed"):
         if file.seeds is not None and key in loaded.lines:
-            raise loaded.fault(key, "`seeds` already gives the seeds", "Keep one of the two")
+            raise loaded.fault(key, "`seeds` already lists the seeds", "Keep one of the two")
     if file.first_seed + file.replicates - 1 > LARGEST_SEED:
-        raise loaded.fault("replicates", f"seeds would go beyond {LARGEST_SEED}", "Write fewer, or lower first_seed")
+        raise loaded.fault(
+            "replicates", f"seeds would be above {LARGEST_SEED}", "Write fewer replicates, or a smaller first_seed"
+        )
     if not file.measures:
-        raise loaded.fault("measures", "no measures would be kept", f"Write some of {', '.join(MEASURES)}")
+        raise loaded.fault("measures", "the list has no measures", f"Write some of {', '.join(MEASURES)}")
 
 
 def _one_in(words: str) -> int | None:
-    """Return N of "1 in N", 1 for yes, 0 for no, or None for any other text."""
+    """Return N for "1 in N", 1 for yes, 0 for no, and None for another text."""
     found = _ONE_IN.fullmatch(words.strip())
     return int(found[1]) if found else {"no": 0, "yes": 1}.get(words)
 
 
 def _levels(path: Path, factor: Scalar, node: Node) -> list[Level]:
     if factor.text in OWN_COLUMNS:
-        problem, key = "results already have a column of this name", f"factors.{factor.text}"
+        problem, key = "results already have a column with this name", f"factors.{factor.text}"
         raise BadFile(path, problem, "Give the factor another name", line=factor.line, key=key)
     return levels_of(path, "factors", factor, node)
 
 
 def _explicit(path: Path, node: Node | None) -> Iterator[dict[str, Level]]:
-    """Yield the conditions that the file lists explicitly."""
+    """Yield the conditions of the file's list `conditions`."""
     if node is None:
         return
     if not isinstance(node, Listing):
-        raise BadFile(path, "a list is needed", "Write a line '- {KEY: VALUE, ...}' for each", node.line, "conditions")
+        remedy = "Write a line '- {KEY: VALUE, ...}' for each condition"
+        raise BadFile(path, "this value must be a list", remedy, node.line, "conditions")
     for item in node.items:
         if not isinstance(item, Section):
-            raise BadFile(path, "a section is needed", "Write {KEY: VALUE, ...}", item.line, "conditions")
+            raise BadFile(path, "this value must be a section", "Write {KEY: VALUE, ...}", item.line, "conditions")
         yield {
             key.text: Level(written(child), nested(key.text, child, key.line), key.line) for key, child in item.entries
         }
@@ -219,19 +237,20 @@ def _explicit(path: Path, node: Node | None) -> Iterator[dict[str, Level]]:
 def _condition(
     path: Path, start: Node, levels: Mapping[str, Level], number: int, settings: SettingCache
 ) -> SweepCondition:
-    """Return a condition after checking it. Raises BadFile."""
+    """Check and return a condition. Raises BadFile."""
     tree: Node = Section(1, [])
     line = 1
     for level in levels.values():
         tree, line = over(tree, level.tree), level.line
     labels = {factor: level.label for factor, level in levels.items()}
     if number > MOST_CONDITIONS:
-        raise BadFile(path, f"more than {MOST_CONDITIONS} conditions", "Write fewer factors or levels")
-    # Faults of combined values are reported with the line of the last factor.
+        problem = f"the design has more than {MOST_CONDITIONS} conditions"
+        raise BadFile(path, problem, "Write fewer factors or levels")
+    # Faults of combined values are reported with the line number of the last factor.
     loaded = merged(at_line(start, line), path, tree)
     condition = SweepCondition(number, labels, loaded.value)
     if "seed" in {key.text for key, _ in entries_of(tree)}:
-        problem = "seeds are the same in all conditions, so that these share their random numbers"
+        problem = "a condition cannot have its own seed: all conditions use the same seeds"
         raise BadFile(path, problem, "Write `replicates` and `first_seed`, or `seeds`", line=line, key="seed")
     try:
         _playable(settings.of(condition.study, loaded), loaded)
@@ -242,9 +261,9 @@ def _condition(
 
 
 def _playable(setting: StudySetting, loaded: Loaded[Study]) -> None:
-    """Raise BadFile if simulated participants and robots cannot play the study without help."""
+    """Raise BadFile if a sweep cannot simulate the study."""
     if setting.study.robots_from is RobotsFrom.ROS:
-        raise loaded.fault("robots_from", "a sweep simulates its robots", "Write sim")
+        raise loaded.fault("robots_from", "a sweep supports only simulated robots", "Write sim")
 
 
 def _named(node: Node) -> Iterator[tuple[str, Node]]:

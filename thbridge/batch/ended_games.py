@@ -1,4 +1,4 @@
-"""Ended games of an unfinished chunk. They are kept, so that a restarted chunk plays only the other games."""
+"""List of the finished games of an unfinished chunk. A restarted chunk plays only the other games."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -18,7 +18,7 @@ _LARGEST = 1 << 28
 
 
 def read_ended(folder: SweepFolder, path: Path, plugins: Iterable[str] = ()) -> Mapping[int, GameResult]:
-    """Return the ended games of a chunk, by seed, without games of other versions or with missing bags.
+    """Return the ended games of a chunk, by seed. Ignore games of other versions and games with missing bags.
 
     Args:
         folder: folder of the sweep.
@@ -33,7 +33,8 @@ def read_ended(folder: SweepFolder, path: Path, plugins: Iterable[str] = ()) -> 
     except FileNotFoundError:
         return {}
     except OSError as error:
-        raise BadFile(path, f"it cannot be read ({reason_of(error)})", "Delete it, then continue") from None
+        problem = f"the file cannot be read ({reason_of(error)})"
+        raise BadFile(path, problem, "Delete this file, and run the sweep again") from None
     if head != _head(plugins):
         return {}
     found = {}
@@ -41,18 +42,18 @@ def read_ended(folder: SweepFolder, path: Path, plugins: Iterable[str] = ()) -> 
         try:
             game = msgspec.json.decode(line, type=GameResult)
         except (msgspec.MsgspecError, RecursionError):
-            continue  # Its writer was killed in the middle of this line.
+            continue  # A killed program left an incomplete line.
         if game.bag is None or (folder.root / game.bag).exists():
             found[game.seed] = game
     return found
 
 
 def keep_ended(path: Path, game: GameResult, plugins: Iterable[str] = ()) -> None:
-    """Keep a game; `plugins` is as for `read_ended`. Raises BadFile if the file cannot be written."""
+    """Append a game to the list. For `plugins`, see `read_ended`. Raises BadFile if the file cannot be written."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with own_target(path).open("ab", buffering=0) as file:
-            # The newline in front ends a line that a killed writer left incomplete.
+            # A killed program may have left an incomplete line; the newline in front ends this line.
             head = _head(plugins) if file.tell() == 0 else b""
             append_whole(file, head + b"\n" + msgspec.json.encode(game) + b"\n", synced=False)
     except OSError as error:

@@ -1,4 +1,5 @@
-"""Figures of a sweep: the mean of a measure over a factor, with confidence bands. Equal games give equal files."""
+"""Figures of a sweep: the mean of a measure over a factor, with confidence bands. Equal games give bit-identical
+files."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -16,11 +17,11 @@ from thbridge.analysis.plot.style import INK, FigureStyle
 from thbridge.batch.bands import BandKind
 
 RESAMPLES = 2000
-"""Number of bootstrap samples of a band."""
+"""Number of bootstrap samples for a band."""
 CONFIDENCE = 0.95
 _BAND_ALPHA = 0.18
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31", "#4D4D4D", "#B2182B")
-"""Colors of lines that color-blind people can distinguish (Okabe and Ito's, then darker ones)."""
+"""Line colors that color-blind people can distinguish (Okabe and Ito's colors, then darker colors)."""
 MARK_SIZE = 3.5
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
@@ -33,8 +34,8 @@ class MeanBand:
         level: level of the factor on the x axis.
         games: number of games.
         mean: mean of the measure.
-        low: lower end of the 95 % confidence interval of the mean; equal to the mean for a single game.
-        high: upper end of the interval.
+        low: lower end of the mean's 95 % confidence interval. For a single game, equal to the mean.
+        high: upper end of the interval. For a single game, equal to the mean.
     """
 
     level: str | float | int
@@ -45,7 +46,7 @@ class MeanBand:
 
 
 Curves = Mapping[tuple[str, str], Sequence[MeanBand]]
-"""Points of each curve, by the level of its panel and that of its line. Without such a factor, the level is ""."""
+"""Points of each curve, by the level of its panel and the level of its line. Without a factor, the level is ""."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +56,8 @@ class FigureAxes:
     Attributes:
         measure: measure on the y axis.
         x: the factor on the x axis.
-        lines: the factor whose levels each get a line. If None, there is one line.
-        panels: the factor whose levels each get a panel. If None, there is one panel.
+        lines: factor with one line for each level. If None, there is only one line.
+        panels: factor with one panel for each level. If None, there is only one panel.
         band: method for confidence intervals.
         is_log: True for a logarithmic x axis.
     """
@@ -70,9 +71,9 @@ class FigureAxes:
 
 
 def curves_of(table: pa.Table, axes: FigureAxes) -> Curves:
-    """Return means and confidence intervals; games without the measure are left out.
+    """Return means and confidence intervals. Ignore games without the measure.
 
-    Levels come in the order of conditions. Games of conditions that differ only in other factors are pooled.
+    Levels have the order of the conditions. Games of conditions that differ only in other factors are pooled.
     """
     names = [name for name in (axes.panels, axes.lines, axes.x, axes.measure) if name is not None]
     groups: dict[tuple[str, str], dict[str | float | int, list[float]]] = {}
@@ -106,14 +107,14 @@ def _band(level: str | float | int, values: FloatArray, kind: BandKind, stream: 
 
 
 def _resampled_means(values: FloatArray, stream: str) -> FloatArray:
-    """Return the means of bootstrap samples; `stream` is the name of the stream of random numbers."""
+    """Return the means of bootstrap samples. `stream` is the name of the stream of random numbers."""
     drawn = NoiseStream.named(0, "bootstrap", stream).uniforms(0, RESAMPLES * len(values))
     samples: FloatArray = values[(drawn * len(values)).astype(int)].reshape(RESAMPLES, len(values))
     return np.asarray(samples.mean(axis=1), dtype=float)
 
 
 def draw_curves(curves: Curves, axes: FigureAxes, style: FigureStyle) -> Figure:
-    """Draw the curves: with bands if levels are numbers, with bars if they are words."""
+    """Draw the curves. Use bands for numeric levels, and error bars for other levels."""
     panels = list(dict.fromkeys(panel for panel, _ in curves))
     lines = list(dict.fromkeys(line for _, line in curves))
     words = list(dict.fromkeys(point.level for points in curves.values() for point in points))
@@ -162,7 +163,7 @@ def draw_curves(curves: Curves, axes: FigureAxes, style: FigureStyle) -> Figure:
 
 
 MOST_TICKS = 8
-"""Largest number of numeric levels that each get their own tick."""
+"""Largest number of numeric levels for which each level has a tick."""
 
 
 def _draw_curve(

@@ -1,4 +1,4 @@
-"""The folder of a sweep: its design, and files of results that many programs may write at the same time."""
+"""The folder of a sweep: its design, and files of results. Many programs may write to the folder at the same time."""
 
 import hashlib
 import json
@@ -24,7 +24,7 @@ from thbridge.study.study_file import Study
 from thbridge.study.text import resolved
 
 LAYOUT = 1
-"""Number of the folder's layout; other releases may use another one."""
+"""Number of the folder's layout. Other releases may use other numbers."""
 LARGEST_MANIFEST = 1 << 28
 MOST_CHUNKS = 10_000_000
 """Largest number of chunks of a readable manifest."""
@@ -38,11 +38,11 @@ class SweepFolder:
 
     @property
     def manifest(self) -> Path:
-        """Path of the file with the resolved design, and with the programs and machine that began the sweep."""
+        """Path of the file with the resolved design, and the versions and machine that started the sweep."""
         return self.root / "sweep.json"
 
     def study(self, condition: int) -> Path:
-        """Return the path of a condition's resolved study, which `thbridge play` plays with the seed of a game."""
+        """Return the path of a condition's resolved study. `thbridge play` can play it with the seed of a game."""
         return self.root / "conditions" / f"{condition}.yaml"
 
     def games(self, chunk: GameChunk) -> Path:
@@ -50,15 +50,15 @@ class SweepFolder:
         return self._of("games", chunk) / f"chunk-{chunk.number}.parquet"
 
     def verified(self, chunk: GameChunk) -> Path:
-        """Return the path of the list of a chunk's games that were played again."""
+        """Return the path of the results of a chunk's repeated games."""
         return self._of("verified", chunk) / f"chunk-{chunk.number}.parquet"
 
     def attempts(self, chunk: GameChunk) -> Path:
-        """Return the path of the journal of a chunk's begun games; it exists only until the chunk has results."""
+        """Return the path of the journal of a chunk's started games. It is deleted when the chunk has results."""
         return self.root / "attempts" / f"chunk-{chunk.number}"
 
     def ended(self, chunk: GameChunk) -> Path:
-        """Return the path of the list of a chunk's ended games; it exists only until the chunk has results."""
+        """Return the path of the list of a chunk's ended games. It is deleted when the chunk has results."""
         return self.root / "ended" / f"chunk-{chunk.number}"
 
     def bag(self, condition: int, seed: int) -> Path:
@@ -69,7 +69,7 @@ class SweepFolder:
         return self.root / kind / f"condition={chunk.condition}"
 
     def clear(self, chunk: GameChunk) -> None:
-        """Remove what an interrupted program has left of a chunk, except ended games."""
+        """Delete files of a chunk that an interrupted program left, except the list of ended games."""
         self.attempts(chunk).unlink(missing_ok=True)
         for path in (self.games(chunk), self.verified(chunk)):
             for part in path.parent.glob(f".{path.name}.*{PART}"):
@@ -78,11 +78,11 @@ class SweepFolder:
 
 @dataclass(frozen=True, slots=True)
 class SweepManifest:
-    """A folder's record of its sweep. The other attributes are those of `SweepDesign`.
+    """Record of a sweep in its folder. For the other attributes, see `SweepDesign`.
 
     Attributes:
         levels: the level of each factor, by condition.
-        versions: versions of the programs that began the sweep.
+        versions: versions of the programs that started the sweep.
     """
 
     factors: tuple[str, ...]
@@ -105,7 +105,7 @@ class SweepManifest:
 
 
 def open_folder(design: SweepDesign, root: Path) -> SweepFolder:
-    """Begin a sweep in a folder, or continue it there.
+    """Start or continue a sweep in a folder.
 
     Raises:
         BadFile: the folder belongs to another design, or cannot be written.
@@ -122,7 +122,7 @@ def open_folder(design: SweepDesign, root: Path) -> SweepFolder:
             "machine": machine(),
             "design": here,
         }
-        # If several programs begin at once, only the first one writes the manifest.
+        # If several programs start at the same time, only one of them writes the manifest.
         with suppress(FileExistsError), whole_file(folder.manifest, folders=True, exclusive=True) as file:
             file.write((json.dumps(contents, indent=1) + "\n").encode())
     _, there = _read(folder)
@@ -149,7 +149,7 @@ def read_manifest(root: Path) -> tuple[SweepFolder, SweepManifest]:
 
 
 def _described(design: SweepDesign) -> object:
-    """Return everything that the results of a design depend on, in JSON types."""
+    """Return all properties of a design that affect its results, as JSON values."""
     studies = {each.number: hashlib.sha256(resolved(each.study).encode()).hexdigest() for each in design.conditions}
     contents = {
         "factors": design.factors,
@@ -181,7 +181,7 @@ def _digests(design: SweepDesign) -> dict[str, str]:
 
 
 def _named_paths(study: Study, beside: Path) -> Iterator[tuple[str, str, Path]]:
-    """Yield key, value and path of each file or folder that a study names."""
+    """Yield the key, value and path of each file or folder that a study names."""
     yield "map", study.map, shipped().find("maps", study.map, beside)
     yield "templates", study.templates, shipped().find("templates", study.templates, beside)
     for key, path in (
@@ -194,7 +194,7 @@ def _named_paths(study: Study, beside: Path) -> Iterator[tuple[str, str, Path]]:
 
 
 def _digest(path: Path) -> str:
-    """Return a digest of a file, or of all files of a folder."""
+    """Return a digest of a file, or of all files in a folder."""
     digest = hashlib.sha256()
     for file in sorted(each for each in path.rglob("*") if each.is_file()) if path.is_dir() else [path]:
         for part in (file.relative_to(path).as_posix().encode(), file.read_bytes()):
@@ -204,7 +204,7 @@ def _digest(path: Path) -> str:
 
 
 class _ManifestDesign(msgspec.Struct):
-    """The part of a manifest's design that readers use. All other fields are only compared with a new design."""
+    """Fields of a manifest's design that readers use. The other fields are only compared with a new design."""
 
     factors: list[str]
     levels: dict[Annotated[int, Meta(ge=1, le=MOST_CONDITIONS)], dict[str, str]]
@@ -215,7 +215,7 @@ class _ManifestDesign(msgspec.Struct):
 
 
 class _ManifestFile(msgspec.Struct):
-    """Contents of the file of a manifest."""
+    """Contents of a manifest's file."""
 
     layout: int
     design: _ManifestDesign
@@ -223,23 +223,23 @@ class _ManifestFile(msgspec.Struct):
 
 
 def _read(folder: SweepFolder) -> tuple[_ManifestFile, Mapping[str, object]]:
-    """Return the contents of a manifest, and its design as plain JSON values. Raises BadFile."""
+    """Return the contents of a manifest, and its design as JSON values. Raises BadFile."""
     path, remedy = folder.manifest, "name the folder of a sweep, or restore this file"
     try:
         text = read_text(path, LARGEST_MANIFEST)
         contents: object = json_of(text)
     except json.JSONDecodeError as error:
-        raise BadFile(path, f"not JSON ({error.msg})", remedy, line=error.lineno) from None
+        raise BadFile(path, f"the file is not JSON ({error.msg})", remedy, line=error.lineno) from None
     except ValueError as error:
         raise BadFile(path, str(error), remedy) from None
     except BadFile as fault:
         raise BadFile(path, fault.problem, remedy) from None
     if not isinstance(contents, dict) or contents.get("layout") != LAYOUT:
-        raise BadFile(path, "another release of this program began this sweep", "continue with that release")
+        raise BadFile(path, "another release of thbridge started this sweep", "use that release to continue")
     try:
         read = msgspec.json.decode(text, type=_ManifestFile)
     except (msgspec.MsgspecError, RecursionError) as error:
-        raise BadFile(path, f"it is not the file of a sweep ({error})", remedy) from None
+        raise BadFile(path, f"this is not the file of a sweep ({error})", remedy) from None
     if sorted(read.design.levels) != list(range(1, len(read.design.levels) + 1)):
         raise BadFile(path, "its conditions are not numbered from 1 without gaps", remedy, key="levels")
     if len(read.design.levels) * -(-len(read.design.seeds) // read.design.chunk) > MOST_CHUNKS:
@@ -248,7 +248,7 @@ def _read(folder: SweepFolder) -> tuple[_ManifestFile, Mapping[str, object]]:
 
 
 def _difference(folder: SweepFolder, design: SweepDesign, there: object, here: object) -> str:
-    """Return the first difference between two designs, as a clause."""
+    """Return a clause with the first difference between two designs."""
     place, was, now = next(_differences(there, here, ""))
     if place.startswith("studies."):
         number = int(place.removeprefix("studies."))
@@ -257,12 +257,12 @@ def _difference(folder: SweepFolder, design: SweepDesign, there: object, here: o
         was, now = next((a.strip(), b.strip()) for a, b in zip(before, after, strict=False) if a != b)
         place = f"the study of condition {number}"
     elif place.startswith("files."):
-        return f"the files of {place.removeprefix('files.')} have changed since"
-    return f"{place} was {_shortened(was)}, now it is {_shortened(now)}"
+        return f"the files of {place.removeprefix('files.')} were changed"
+    return f"{place} was {_shortened(was)} and is now {_shortened(now)}"
 
 
 def _differences(was: object, now: object, place: str) -> Iterator[tuple[str, object, object]]:
-    """Yield each place where two values differ, with both values."""
+    """Yield the path of each difference between two values, with both values."""
     if isinstance(was, dict) and isinstance(now, dict):
         for name in dict.fromkeys((*was, *now)):
             inner = f"{place}.{name}" if place else str(name)

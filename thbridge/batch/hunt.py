@@ -1,4 +1,5 @@
-"""One game of a sweep, as `thbridge play` plays it with the same study and seed, but without sockets and clocks."""
+"""Simulation of one game of a sweep, without sockets and clocks. `thbridge play` with the same study and seed plays the
+same game."""
 
 from collections.abc import Sequence
 
@@ -23,13 +24,13 @@ def play_hunt(
     listeners: Sequence[Listener] = (),
     recorders: Sequence[TickRecorder] = (),
 ) -> GameMeasures:
-    """Play one game to its end with the study's simulated participant.
+    """Play a complete game with the study's simulated participant.
 
     Args:
-        setting: the study.
-        max_seconds: simulated time after which an unfinished game is stopped.
-        listeners: receive all messages of the session. Without listeners, messages are not even created.
-        recorders: receive every tick.
+        setting: the study with its files.
+        max_seconds: simulated time after which an unfinished game stops.
+        listeners: objects that receive all messages of the session. Without listeners, no messages are created.
+        recorders: objects that receive every tick.
     """
     study, observer, statistics = setting.study, GameObserver(), RunStatistics()
     who = study.participant
@@ -50,10 +51,10 @@ def play_hunt(
 
 
 class RecordedDigest:
-    """Digest of a session's messages, as `thbridge bag info --hash` prints it for the recording.
+    """Digest of a session's messages. `thbridge bag info --hash` prints the same digest for the recording.
 
     Args:
-        recording: options of the recording, which may leave messages out.
+        recording: options of the recording. They may exclude messages.
     """
 
     def __init__(self, recording: RecordingSection) -> None:
@@ -66,5 +67,5 @@ class RecordedDigest:
             self._digest.add(message.topic.name, message.topic.msgtype, message.stamp_ns, message.data)
 
     def hexdigest(self) -> str:
-        """Return the digest of all messages so far."""
+        """Return the digest of all messages that were received."""
         return self._digest.hexdigest()

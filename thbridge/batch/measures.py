@@ -1,4 +1,4 @@
-"""Measures of a game that a sweep keeps."""
+"""Measures of a game in the results of a sweep."""
 
 import dataclasses
 import math
@@ -18,25 +18,25 @@ from thbridge.dialogue.moves import Speaker
 
 @dataclass(frozen=True, slots=True)
 class GameMeasures:
-    """Measures of one game. Measures of robots are totals over all robots.
+    """Measures of one game. Except for `each_robot`, measures of robots are totals over all robots.
 
     Attributes:
-        score: points.
-        over: reason for the end (`hunt.events.EndReason`), or None if the game did not end in time.
+        score: points of the team.
+        over: reason for the end (`hunt.events.EndReason`), or None if the game was stopped.
         rooms_visited: number of visited rooms.
         identified: number of treasures named, rightly or wrongly.
         sim_seconds: simulated time from the start to the end of the game.
-        energy_left: energy left at the end.
-        collisions: number of times that a robot touched a wall or another robot.
+        energy_left: remaining energy at the end.
+        collisions: number of collisions with walls and other robots.
         goals_reached: number of goals that the robots' navigators reached.
-        goals_failed: number of goals that were given up.
-        failures: reason code of each goal that was given up, in their order.
-        distance: meters driven.
-        error_mean: mean distance between the true and the believed position at every scan, meters.
+        goals_failed: number of goals that the navigators gave up.
+        failures: reason code of each failed goal, in order.
+        distance: driven distance, meters.
+        error_mean: mean distance between the true and the estimated position at all scans, meters.
         error_95: 95 % quantile of this distance, meters.
-        times_lost: number of times that a localizer considered itself lost.
-        seconds_lost: simulated seconds for which localizers considered themselves lost.
-        seconds_waiting: simulated seconds for which robots stood still to give way to another robot.
+        times_lost: number of times that a localizer reported to be lost.
+        seconds_lost: simulated seconds in which localizers were lost.
+        seconds_waiting: simulated seconds in which robots stood still to let another robot pass.
         refusals: number of requests that the keeper refused.
         dialogues: number of dialogues.
         robot_utterances: number of sentences that robots said.
@@ -72,7 +72,7 @@ MEASURES = tuple(field.name for field in dataclasses.fields(GameMeasures))
 
 
 class GameObserver:
-    """Counter of those events of a game that the outcome of `play` does not contain."""
+    """Counter of events that the outcome of a game does not include."""
 
     def __init__(self) -> None:
         self._errors = array("d")
@@ -105,7 +105,11 @@ class GameObserver:
                 self._errors.append(elementary.hypot(believed.x - x, believed.y - y))
 
     def measures(self, outcome: HuntOutcome) -> GameMeasures:
-        """Return the measures of the game, given its outcome."""
+        """Return the measures of the game.
+
+        Args:
+            outcome: outcome of the game.
+        """
         errors, robots = np.array(self._errors), outcome.robots
         return GameMeasures(
             score=outcome.score,

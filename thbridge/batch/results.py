@@ -1,4 +1,4 @@
-"""Results of games as Parquet files, one for each chunk. DuckDB, pandas and Arrow read all of them as one table."""
+"""Results of games in Parquet files, one file per chunk. DuckDB, pandas and Arrow can read all files as one table."""
 
 import dataclasses
 import hashlib
@@ -23,12 +23,12 @@ from thbridge.files.disk.whole import whole_file
 from thbridge.files.errors import BadFile
 
 MOST_GAMES, LARGEST_TABLE = 1_000_000, 1 << 30
-"""Limits for reading a chunk: number of games, and number of unpacked bytes. A small file can unpack to many bytes."""
+"""Limits for reading a chunk: number of games, and number of decompressed bytes. A small file can have many of them."""
 
 VERSIONS = "thbridge.versions"
-"""Metadata key of the versions of programs that played a file's games, as JSON."""
+"""Metadata key for the versions of the programs that played a file's games, as JSON."""
 _SUM = "thbridge.sum"
-"""Metadata key of the file's SHA-256, computed with `_NO_SUM` in its place. Older files have none."""
+"""Metadata key for the file's SHA-256. It is computed with `_NO_SUM` as the value. Older files do not have this key."""
 _NO_SUM = 64 * "-"
 _WITH_SUM = re.compile(rb"thbridge\.sum[^0-9a-f]{1,8}([0-9a-f]{64})")
 
@@ -51,11 +51,11 @@ class GameResult:
     Attributes:
         seed: random seed of the game.
         status: state of the game.
-        fault: the error that ended it, or None.
-        messages: digest of its session's messages (`thbridge bag info --hash`), or None if no messages were created.
-        bag: name of its recording within the sweep's folder, or None.
-        worker: host and process that played it.
-        cpu_seconds: processor time.
+        fault: the error that ended the game, or None.
+        messages: digest of the session's messages (`thbridge bag info --hash`), or None if no messages were created.
+        bag: path of the game's recording, relative to the sweep's folder, or None.
+        worker: host and process that played the game.
+        cpu_seconds: processor time of the game, s.
         measures: measures of the game, or None if it has no result.
     """
 
@@ -71,14 +71,14 @@ class GameResult:
 
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """A game that was played again.
+    """Comparison of a game with its repetition.
 
     Attributes:
         seed: random seed of the game.
-        first: digest of the messages of the first session.
-        again: digest of the messages of the second session.
-        first_worker: host and process that played it first.
-        again_worker: host and process that played it again.
+        first: digest of the messages of the first game.
+        again: digest of the messages of the repetition.
+        first_worker: host and process of the first game.
+        again_worker: host and process of the repetition.
     """
 
     seed: int
@@ -89,7 +89,7 @@ class Verification:
 
     @property
     def equal(self) -> bool:
-        """True if both sessions gave the same messages."""
+        """True if the game and its repetition have the same messages."""
         return self.first == self.again
 
 
@@ -111,7 +111,7 @@ class FactorColumns:
 
     @classmethod
     def of(cls, factors: Sequence[str], written: Mapping[int, Mapping[str, str]]) -> "FactorColumns":
-        """Return the columns for levels in written form. A column has numbers if all its levels are numbers."""
+        """Return the columns for levels as texts. A column has numbers if all its levels are numbers."""
         kinds = {factor: _kind([each[factor] for each in written.values() if factor in each]) for factor in factors}
         readers: Mapping[str, Callable[[str], Level]] = {"int64": int, "double": float, "string": str}
         levels: dict[int, Mapping[str, Level]] = {
@@ -171,7 +171,7 @@ def write_games(
 
 
 def write_verified(path: Path, games: Sequence[Verification], plugins: Iterable[str] = ()) -> None:
-    """Write the games of a chunk that were played again; see `write_games`."""
+    """Write the comparisons of a chunk's repeated games; see `write_games`."""
     named = {field.name for field in dataclasses.fields(Verification)}
     equal = {"equal": pa.array([game.equal for game in games], pa.bool_())}
     _write(path, _columns(games, Verification, named) | equal, plugins)
@@ -187,7 +187,7 @@ def _write(path: Path, columns: Mapping[str, pa.Array], plugins: Iterable[str]) 
 
 
 def _columns(rows: Sequence[object], of: type, names: Collection[str]) -> dict[str, pa.Array]:
-    """Return some fields of a class as columns. A row that is None gives missing values."""
+    """Return the named fields of objects as columns. An object that is None gives missing values."""
     hints = cast(Mapping[str, object], get_type_hints(of))
     return {
         name: pa.array([None if row is None else _plain(getattr(row, name)) for row in rows], _arrow(hint))
@@ -219,13 +219,13 @@ def _arrow(hint: object) -> pa.DataType:
 
 
 def read_digests(path: Path) -> Mapping[int, tuple[str | None, str]]:
-    """Return, by seed, the message digest and the worker of each game of a chunk. Raises BadFile."""
+    """Return the message digest and the worker of each game of a chunk, by seed. Raises BadFile."""
     table = read_table(path, ["seed", "messages", "worker"])
     return {row["seed"]: (row["messages"], row["worker"]) for row in table.to_pylist()}
 
 
 def game_faults(path: Path, condition: int) -> list[str]:
-    """Return a sentence for each game of a chunk that has no result. Raises BadFile."""
+    """Return a sentence for each game of a chunk without a result. Raises BadFile."""
     return [
         f"condition {condition}, seed {row['seed']}: {row['fault']}"
         for row in read_table(path, ["seed", "fault"]).to_pylist()
@@ -234,10 +234,10 @@ def game_faults(path: Path, condition: int) -> list[str]:
 
 
 def differing_games(path: Path, condition: int) -> list[str]:
-    """Return a sentence for each game of a chunk that gave another result when repeated. Raises BadFile."""
+    """Return a sentence for each game of a chunk with another result in its repetition. Raises BadFile."""
     return [
-        f"condition {condition}, seed {row['seed']}: the result differs when repeated (first played by "
-        f"{row['first_worker']}, again by {row['again_worker']})"
+        f"condition {condition}, seed {row['seed']}: the repetition gave another result (first played by "
+        f"{row['first_worker']}, repeated by {row['again_worker']})"
         for row in read_table(path).to_pylist()
         if not row["equal"]
     ]
@@ -250,36 +250,36 @@ def versions_in(path: Path) -> str:
 
 
 def read_table(path: Path, columns: Sequence[str] | None = None) -> pa.Table:
-    """Read some columns of a file. Raises BadFile if it is damaged, not one of ours, or too large for a chunk."""
-    remedy = "delete it: a further run plays its games again"
+    """Read columns of a chunk's file. Raises BadFile for a file that is damaged, too large, or of another program."""
+    remedy = "delete this file and run the sweep again: it repeats the games"
     try:
         content = content_of(path, LARGEST_TABLE)
         if _is_damaged(content):
-            raise BadFile(path, "it is damaged: its checksum is wrong", remedy)
-        # Read only the file's own columns; Arrow would add one from the folder's name.
+            raise BadFile(path, "the file is damaged: its checksum is wrong", remedy)
+        # Read the file itself: for a path, Arrow would add a column from the folder's name.
         file = parquet.ParquetFile(pa.BufferReader(content))
         groups = range(file.num_row_groups)
         unpacked = sum(file.metadata.row_group(number).total_byte_size for number in groups)  # of integers
         if file.metadata.num_rows > MOST_GAMES or unpacked > LARGEST_TABLE:
-            problem = f"{file.metadata.num_rows} games that unpack to {unpacked} bytes are too many for a chunk"
+            problem = f"{file.metadata.num_rows} games with {unpacked} decompressed bytes are too many for a chunk"
             raise BadFile(path, problem, remedy)
         table = file.read(columns)
     except (OSError, pa.ArrowException, UnicodeDecodeError) as error:
-        raise BadFile(path, f"it cannot be read ({error})", remedy) from None
+        raise BadFile(path, f"the file cannot be read ({error})", remedy) from None
     known, always = _known_columns()
     for field in table.schema:
         if (kind := known.get(field.name)) is not None and field.type != kind:
-            raise BadFile(path, f"its column {field.name} is {field.type} and not {kind}", remedy)
+            raise BadFile(path, f"its column {field.name} has the type {field.type} instead of {kind}", remedy)
         if field.name in always and table[field.name].null_count:
-            raise BadFile(path, f"its column {field.name} has gaps", remedy)
+            raise BadFile(path, f"its column {field.name} has missing values", remedy)
     if (missing := next((name for name in columns or () if name not in table.column_names), None)) is not None:
-        raise BadFile(path, f"it has no column {missing}", remedy)
+        raise BadFile(path, f"the file has no column {missing}", remedy)
     return table
 
 
 @cache
 def _known_columns() -> tuple[Mapping[str, pa.DataType], frozenset[str]]:
-    """Return the types of the columns that readers rely on, and the columns that have a value in each row."""
+    """Return the required types of columns, and the columns that must have a value in each row."""
     hints = {**get_type_hints(GameResult), **get_type_hints(Verification), "equal": bool}
     hints.pop("measures")
     always = frozenset(name for name, hint in hints.items() if get_origin(hint) is not types.UnionType)
@@ -287,7 +287,7 @@ def _known_columns() -> tuple[Mapping[str, pa.DataType], frozenset[str]]:
 
 
 def _is_damaged(content: bytes) -> bool:
-    """Return True if a file has changed since it was written. Parquet itself detects few such changes."""
+    """Return True if a file was changed after writing. Parquet itself detects only some changes."""
     found = _WITH_SUM.search(content)
     if found is None:
         return False

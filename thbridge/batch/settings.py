@@ -1,4 +1,4 @@
-"""Settings of studies that share their files: each map is read once for all studies that use it."""
+"""Cache for the settings of studies with common files. For example, each map is read only once."""
 
 import dataclasses
 from pathlib import Path
@@ -12,10 +12,10 @@ from thbridge.study.study_file import ParticipantSection, RecordingSection, Stud
 
 
 class SettingCache:
-    """Settings that were read. Studies that differ only in seed, software or noise share the files of one setting.
+    """Cache of settings. Studies that differ only in seed, software or noise use the files of the same setting.
 
     Args:
-        `beside`: the folder that paths in studies are relative to.
+        `beside`: the folder for relative paths in studies.
     """
 
     def __init__(self, beside: Path) -> None:
@@ -23,7 +23,7 @@ class SettingCache:
         self._settings: dict[str, StudySetting] = {}
 
     def of(self, study: Study, written: Loaded[Study] | None = None) -> StudySetting:
-        """Return the setting of a study; `written` and faults as for `read_setting`."""
+        """Return the setting of a study. For `written` and exceptions, see `read_setting`."""
         key = repr((_naming(study), plugins_of(study)))
         if key not in self._settings:
             self._settings[key] = read_setting(study, self._beside, written=written)
@@ -31,13 +31,13 @@ class SettingCache:
 
     @property
     def doubts(self) -> tuple[BadFile, ...]:
-        """Possible mistakes in the files of all studies so far, each listed once."""
+        """Possible mistakes in the files of all cached studies, without repetitions."""
         found = {str(doubt): doubt for setting in self._settings.values() for doubt in setting.doubts}
         return tuple(found.values())
 
 
 def _naming(study: Study) -> Study:
-    """Return the study without the values that no file depends on."""
+    """Return the study with default values for all keys that do not affect its files."""
     standard = ParticipantSection()
     return dataclasses.replace(
         study,

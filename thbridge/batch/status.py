@@ -1,4 +1,4 @@
-"""Status of a sweep, read from its folder. Programs may be working on the sweep at the same time."""
+"""Status of a sweep, read from its folder. Other programs may be running the sweep at the same time."""
 
 import math
 import os
@@ -25,18 +25,18 @@ class SweepStatus:
     Attributes:
         games: number of games of the design.
         done: number of games with a result of any kind.
-        missing: number of games without a result.
-        running: number of missing games that workers have begun, except workers of this machine that have died.
+        missing: number of games without a result of any kind.
+        running: number of missing games that workers are playing. Dead workers of this machine do not count.
         by_status: number of games by `GameStatus`.
-        faults: sentences about games without a result.
-        drawn: number of games to play again.
-        verified: number of games that were played again.
-        differing: sentences about games that gave another result when repeated.
-        cpu_seconds: processor time of all games.
-        last_written: time at which the last file was written, seconds since 1970, or None if there is none.
-        rate: games per second over the most recent files, or None if unknown.
-        seconds_left: time left at that rate, or None if unknown.
-        versions: number of files by the versions of the programs that wrote them.
+        faults: sentences about failed and crashed games.
+        drawn: number of games for repetition.
+        verified: number of repeated games.
+        differing: sentences about games with another result in the repetition.
+        cpu_seconds: total processor time of all games, s.
+        last_written: time of the newest file, seconds since 1970, or None if there is no file.
+        rate: games per second, from the newest files, or None if unknown.
+        seconds_left: remaining time at this rate, s, or None if unknown.
+        versions: number of files, by the versions of the programs that wrote them.
     """
 
     games: int
@@ -56,13 +56,13 @@ class SweepStatus:
 
 
 RECENT = 50
-"""Number of most recent files from which the rate is computed."""
+"""Number of the newest files for the computation of the rate."""
 A_BREAK = 600.0
 """Seconds without a new file after which the sweep counts as interrupted."""
 
 
 def status_of(root: Path) -> SweepStatus:
-    """Read the status of a sweep. Raises BadFile if the folder is not a sweep's, or a file cannot be read."""
+    """Read the status of a sweep. Raises BadFile if the folder has no sweep, or a file cannot be read."""
     folder, manifest = read_manifest(root)
     by_status, versions = Counter[str](), Counter[str]()
     faults, differing, written = list[str](), list[str](), list[tuple[float, int]]()
@@ -83,7 +83,7 @@ def status_of(root: Path) -> SweepStatus:
             kept = folder.ended(chunk)
             ended = read_ended(folder, kept, manifest.versions)
             running += _is_running(folder.attempts(chunk), ended)
-            with suppress(FileNotFoundError):  # The chunk has just ended, or has no such file.
+            with suppress(FileNotFoundError):  # The chunk has just ended, or no game has ended.
                 written.append((kept.stat().st_mtime, len(ended)))
             by_status.update(game.status for game in ended.values())
             cpu += math.fsum(game.cpu_seconds for game in ended.values())
@@ -111,7 +111,7 @@ def status_of(root: Path) -> SweepStatus:
 
 
 def _is_running(journal: Path, ended: Container[int]) -> bool:
-    """Return True if a worker is playing a game of a chunk, according to its journal and this machine's processes."""
+    """Return True if a worker is playing a game of a chunk. Use the chunk's journal and this machine's processes."""
     begun = begun_game(journal)
     if begun is None or begun[1] in ended:
         return False
@@ -128,7 +128,7 @@ def _is_running(journal: Path, ended: Container[int]) -> bool:
 
 
 def _rate(written: list[tuple[float, int]]) -> float | None:
-    """Return the games per second, given the time and the number of games of each file, oldest first."""
+    """Return the number of games per second. `written` has the time and number of games of each file, oldest first."""
     recent = written[-RECENT:]
     for place in range(len(recent) - 1, 0, -1):
         if recent[place][0] - recent[place - 1][0] > A_BREAK:

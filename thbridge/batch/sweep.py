@@ -1,4 +1,4 @@
-"""The run of a sweep: it plays missing games, plays drawn games again, and tolerates workers that die."""
+"""The run of a sweep: it plays missing games and repeats randomly chosen games. If workers die, it continues."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -15,7 +15,7 @@ from thbridge.study.plugins import plugins_of
 
 EVERYTHING = Shard()
 WARM = ("thbridge.batch.tasks",)
-"""Modules that workers of sweeps import before their first task."""
+"""Modules that workers import before their first task."""
 
 
 @dataclass(slots=True)
@@ -23,14 +23,14 @@ class SweepProgress:
     """Progress of a run.
 
     Attributes:
-        games: number of games in the part that this run plays.
-        before: number of games that already had results.
-        played: number of games played by this run.
-        failed: number of played games without a result.
-        verified: number of games played again.
-        differing: number of games that gave another result when repeated.
+        games: number of games in this run's part of the sweep.
+        before: number of games that had results before the run.
+        played: number of games that this run played.
+        failed: number of failed and crashed games among them.
+        verified: number of repeated games.
+        differing: number of games with another result in the repetition.
         deaths: number of workers that died.
-        cpu_seconds: processor time of all workers for their tasks.
+        cpu_seconds: processor time of all tasks, s.
     """
 
     games: int = 0
@@ -55,16 +55,16 @@ def run_sweep(
     """Play the missing games of a sweep.
 
     Args:
-        design: the design.
-        folder: its folder, opened with this design.
-        engine: the engine, within its context.
-        shard: the part to play.
-        retry: True to play chunks again if games in them failed or crashed.
-        progress: receives the progress whenever it changes, with sentences about errors.
+        design: the design of the sweep.
+        folder: the folder of the sweep, opened with this design.
+        engine: the engine, inside its context manager.
+        shard: part of the sweep to play.
+        retry: True to repeat chunks with failed or crashed games.
+        progress: function that receives each change of the progress, with sentences about errors.
 
     Raises:
         BadFile: the folder cannot be written.
-        EngineFailed: the engine cannot continue, or more workers die than single games can explain.
+        EngineFailed: the engine cannot continue, or too many workers died.
     """
     done, deaths = SweepProgress(), Counter[Path]()
     for task in tasks_of(design, folder, shard.has):
@@ -100,7 +100,7 @@ def run_sweep(
 
 
 def tasks_of(design: SweepDesign, folder: SweepFolder, wanted: Callable[[GameChunk], bool]) -> list[SweepTask]:
-    """Return the tasks that play the wanted chunks."""
+    """Return the tasks for the wanted chunks."""
     plugins = plugins_of(*(condition.study for condition in design.conditions))
     return [
         SweepTask(
@@ -121,7 +121,7 @@ def tasks_of(design: SweepDesign, folder: SweepFolder, wanted: Callable[[GameChu
 
 
 def _verify(engine: Engine[SweepTask], played: SweepTask, worker: str | None) -> None:
-    """Submit a chunk's drawn games to another worker, unless they have already been repeated."""
+    """Submit a chunk's games for repetition to another worker, unless they have already been repeated."""
     task = replace(played, again=True)
     if task.verified_seeds and not task.result.exists():
         engine.submit(task, avoid=worker)
@@ -129,15 +129,15 @@ def _verify(engine: Engine[SweepTask], played: SweepTask, worker: str | None) ->
 
 def _try_again(engine: Engine[SweepTask], ended: FinishedTask[SweepTask], deaths: int) -> None:
     """Submit a task again after its worker died. Raise EngineFailed after too many deaths."""
-    # Each game of a chunk may kill up to MOST_DEATHS workers before it is left out.
+    # Each game of a chunk may kill MOST_DEATHS workers before it is skipped.
     most = MOST_DEATHS if ended.task.again else MOST_DEATHS * len(ended.task.chunk.seeds)
     if deaths > most:
         chunk = ended.task.chunk
         cause = ended.cause or (
-            "The cause is unknown: check the workers' programs and the machine's log for memory and time limits."
+            "The cause is unknown. Check the workers' programs, and the machine's log for memory and time limits."
         )
         raise EngineFailed(
-            f"{deaths} workers died at chunk {chunk.number} (condition {chunk.condition}). {cause} Games that ended "
-            "are kept, and a further run continues with the others."
+            f"{deaths} workers died at chunk {chunk.number} (condition {chunk.condition}). {cause} Finished games are "
+            "kept. To play the other games, run the command again."
         )
     engine.submit(ended.task)

@@ -1,4 +1,4 @@
-"""The games of a sweep as one table, for pandas, R, DuckDB and figures."""
+"""Table of all games of a sweep, for pandas, R, DuckDB and figures."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,16 +15,17 @@ from thbridge.files.tables.csv_cells import text_cells
 from thbridge.files.tables.table_files import TableFormat
 
 VARYING = ("worker", "cpu_seconds")
-"""Columns that differ from run to run."""
+"""Columns that differ between runs."""
 
 
 def collect(root: Path) -> pa.Table:
-    """Return all games that have been played so far, by condition and seed.
+    """Return all played games, sorted by condition and seed.
 
-    The column `verified` is true if a repetition gave the same result, false if not, and null without a repetition.
+    The column `verified` is true for a repetition with the same result, false for a repetition with another result,
+    and null without a repetition.
 
     Raises:
-        BadFile: the folder is not a sweep's, no game has been played, or a file cannot be read.
+        BadFile: the folder has no sweep, no game has been played, or a file cannot be read.
     """
     folder, manifest = read_manifest(root)
     tables = [table for chunk in manifest.chunks if (table := _games(folder, chunk)) is not None]
@@ -33,8 +34,8 @@ def collect(root: Path) -> pa.Table:
     try:
         whole = pa.concat_tables(tables)
     except pa.ArrowException as error:
-        remedy = "delete the files of the other design or release: a further run plays their games again"
-        raise BadFile(root / "games", f"its files have different columns ({error})", remedy) from None
+        remedy = "delete the files of the other design or release, and run the sweep again"
+        raise BadFile(root / "games", f"the files here have different columns ({error})", remedy) from None
     return whole.sort_by([("condition", "ascending"), ("seed", "ascending")]).combine_chunks()
 
 
@@ -52,7 +53,11 @@ def _games(folder: SweepFolder, chunk: GameChunk) -> pa.Table | None:
 
 
 def write_collected(table: pa.Table, path: Path, kind: TableFormat) -> None:
-    """Write a table. In CSV, lists are separated by blanks, and figures of each robot are left out. Raises BadFile."""
+    """Write a table. CSV files have blanks between the values of a list, and no measures of single robots.
+
+    Raises:
+        BadFile: the file cannot be written.
+    """
     with whole_file(path, folders=True) as file:
         if kind is TableFormat.PARQUET:
             parquet.write_table(table, file, compression="zstd")

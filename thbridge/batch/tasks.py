@@ -1,4 +1,4 @@
-"""Tasks of a sweep: each plays a chunk, or plays randomly chosen games of a chunk again."""
+"""Tasks of a sweep. A task plays a chunk, or repeats randomly chosen games of a chunk."""
 
 import time
 import traceback
@@ -35,28 +35,28 @@ from thbridge.recording.recordings import active_of
 from thbridge.study.study_file import Study
 
 MOST_DEATHS = 2
-"""Number of workers that may die while playing the same game. After that, it is left out and marked as crashed."""
+"""Number of workers that may die during the same game. Then the game is skipped and marked as crashed."""
 
 _playing = Lock()
-"""Lock that lets a process play only one game at a time, even if it has several threads."""
+"""Lock for all threads of a process, so that only one game runs at a time."""
 
 
 @dataclass(frozen=True, slots=True)
 class SweepTask:
-    """Work on one chunk.
+    """Task for one chunk.
 
     Attributes:
-        folder: folder of the sweep. The worker must be able to write it.
-        `beside`: the folder that paths in the study are relative to.
-        chunk: the games.
+        folder: folder of the sweep. The worker needs write access.
+        `beside`: the folder for relative paths in the study.
+        chunk: the games of the task.
         study: study of the games' condition.
         factors: columns of the results for the factors.
-        measures: names of the measures to keep.
-        max_seconds: simulated time after which an unfinished game is stopped.
-        one_bag_in: N if one game in N is recorded; 0 if none is.
-        one_verified_in: N if one game in N is played again; 0 if none is.
-        again: True to play the randomly chosen games again, and compare.
-        plugins: keys of the plug-ins that the sweep's studies name; their versions are recorded.
+        measures: names of the measures in the results.
+        max_seconds: simulated time after which an unfinished game stops.
+        one_bag_in: N if one game in N is recorded; 0 if no game is recorded.
+        one_verified_in: N if one game in N is repeated; 0 if no game is repeated.
+        again: True to repeat randomly chosen games and compare the results.
+        plugins: keys of the plug-ins that the sweep's studies name. Their versions are recorded.
     """
 
     folder: Path
@@ -73,30 +73,30 @@ class SweepTask:
 
     @property
     def verified_seeds(self) -> tuple[int, ...]:
-        """Seeds of the games that are chosen at random to be played again."""
+        """Random seeds of the games that are repeated."""
         return tuple(seed for seed in self.chunk.seeds if self._is_drawn("verified", self.one_verified_in, seed))
 
     @property
     def recorded_seeds(self) -> tuple[int, ...]:
-        """Seeds of the games that are chosen at random to be recorded."""
+        """Random seeds of the games that are recorded."""
         return tuple(seed for seed in self.chunk.seeds if self._is_drawn("recorded", self.one_bag_in, seed))
 
     @property
     def result(self) -> Path:
-        """The file that exists once the task is done."""
+        """The file that exists after the task is done."""
         folder = SweepFolder(self.folder)
         return folder.verified(self.chunk) if self.again else folder.games(self.chunk)
 
     @property
     def urgent(self) -> bool:
-        """See `BatchTask`. Repeated games come first, so that a difference shows early."""
+        """See `BatchTask`. Repetitions have priority, so that differences are found early."""
         return self.again
 
     def carry_out(self, most: int | None = None) -> TaskOutcome:
         """See `BatchTask`."""
         with _playing:
             began, left = time.process_time(), 0
-            # The file already exists if a worker was lost after writing it and before answering.
+            # The file already exists if an earlier worker wrote it and died before its answer.
             if not self.result.exists():
                 if self.again:
                     _verify(self)
@@ -113,7 +113,7 @@ class SweepTask:
 
 
 def _play(task: SweepTask, most: int | None) -> int:
-    """Play at most `most` games of a chunk; return the number of games left."""
+    """Play at most `most` games of a chunk. Return the number of remaining games."""
     folder, games = SweepFolder(task.folder), dict[int, GameResult]()
     journal, kept = folder.attempts(task.chunk), folder.ended(task.chunk)
     deaths, ended = _deaths(journal), read_ended(folder, kept, task.plugins)
@@ -121,7 +121,7 @@ def _play(task: SweepTask, most: int | None) -> int:
     _note(journal, f"{ATTEMPT} {worker_name()}")
     for seed in left[:most]:
         if deaths[seed] >= MOST_DEATHS:
-            fault = f"{deaths[seed]} workers died while they played it"
+            fault = f"{deaths[seed]} workers died during this game"
             games[seed] = GameResult(seed, GameStatus.CRASHED, fault, worker=worker_name())
             continue
         _note(journal, str(seed))
@@ -140,21 +140,21 @@ def _play(task: SweepTask, most: int | None) -> int:
 
 
 def _verify(task: SweepTask) -> None:
-    """Play the randomly chosen games of a chunk again."""
+    """Repeat the randomly chosen games of a chunk."""
     folder = SweepFolder(task.folder)
     first = read_digests(folder.games(task.chunk))
     games = []
     for seed in task.verified_seeds:
         said, by = first[seed]
         if said is None:
-            continue  # It had no result.
+            continue  # The first game had no result.
         again = _game(task, seed, recorded=False, hashed=True)
         games.append(Verification(seed, said, again.messages, by, worker_name()))
     write_verified(folder.verified(task.chunk), games, task.plugins)
 
 
 def _game(task: SweepTask, seed: int, *, recorded: bool, hashed: bool) -> GameResult:
-    """Play a game. Most exceptions end only this game; a BadFile or OSError, such as a full disk, ends the task."""
+    """Play a game. Most exceptions end only this game. A BadFile or OSError (such as a full disk) ends the task."""
     began = time.process_time()
     setting = _settings(task.beside).of(replace(task.study, seed=seed))
     said = RecordedDigest(setting.study.recording)
@@ -191,18 +191,18 @@ def _since(began: float) -> float:
 
 @cache
 def _settings(beside: Path) -> SettingCache:
-    """Return the settings that this process has read."""
+    """Return the cache of settings of this process."""
     return SettingCache(beside)
 
 
 ATTEMPT = "attempt"
-"""First word of a line that begins an attempt and names its worker. Other lines are seeds of begun games."""
+"""First word of the first line of an attempt; the worker's name follows. Further lines are seeds of started games."""
 ENDED = "ended"
-"""Last line of an attempt that left the remaining games to further attempts."""
+"""Last line of an attempt that ended before all games were played."""
 
 
 _LARGEST_JOURNAL = 1 << 24
-"""Largest journal in bytes. A chunk has a line for each game that was begun."""
+"""Largest size of a journal, in bytes. A journal has one line for each started game."""
 
 
 def _note(journal: Path, line: str) -> None:
@@ -216,7 +216,9 @@ def _note(journal: Path, line: str) -> None:
 
 
 def begun_game(journal: Path) -> tuple[str, int] | None:
-    """Return the worker and seed of the game begun last, or None if the last attempt has begun no game or has ended.
+    """Return the worker and seed of the game that was started last.
+
+    Return None if the last attempt has started no game or has ended.
 
     Raises:
         BadFile: the file is not a journal.
@@ -227,17 +229,18 @@ def begun_game(journal: Path) -> tuple[str, int] | None:
     except FileNotFoundError:
         return None
     except (OSError, ValueError):
-        raise BadFile(journal, "not a journal of attempts", "Delete it, then continue") from None
+        remedy = "Delete this file, and run the sweep again"
+        raise BadFile(journal, "this is not a journal of attempts", remedy) from None
 
 
 def _deaths(journal: Path) -> Mapping[int, int]:
-    """Return the number of attempts that broke off during each game, by seed.
+    """Return the number of attempts that were interrupted during each game, by seed.
 
     Raises:
         BadFile: the file is not a journal.
-        OSError: it cannot be read.
+        OSError: the file cannot be read.
     """
-    remedy = "Delete it, then continue: it counts how often workers died"
+    remedy = "Delete this file, and run the sweep again: the file only counts dead workers"
     try:
         text = content_of(journal, _LARGEST_JOURNAL).decode()
         attempts = [attempt.splitlines() for attempt in text.split(ATTEMPT)[1:]]
@@ -247,4 +250,4 @@ def _deaths(journal: Path) -> Mapping[int, int]:
     except BadFile as fault:
         raise BadFile(journal, fault.problem, remedy) from None
     except ValueError:
-        raise BadFile(journal, "not a journal of attempts", remedy) from None
+        raise BadFile(journal, "this is not a journal of attempts", remedy) from None

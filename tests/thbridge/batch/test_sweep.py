@@ -187,10 +187,10 @@ def test_every_game_is_in_exactly_one_chunk_of_one_shard() -> None:
 @pytest.mark.parametrize(
     ("before", "after", "told"),
     [
-        ("seeds: [3, 5, 8]", "seeds: [3, 5, 9]", "seeds was [3, 5, 8], now it is [3, 5, 9]. "),
-        ("energy: 20", "energy: 21", "the study of condition 1 was energy: 20.0, now it is energy: 21.0. "),
-        ("max_seconds: 4", "max_seconds: 9", "max_seconds was 4.0, now it is 9.0. "),
-        ("robots: [1, 2]", "robots: [1, 2, 3]", "levels.3.noise.preset was bad wheels, now it is none. "),
+        ("seeds: [3, 5, 8]", "seeds: [3, 5, 9]", "seeds was [3, 5, 8] and is now [3, 5, 9]. "),
+        ("energy: 20", "energy: 21", "the study of condition 1 was energy: 20.0 and is now energy: 21.0. "),
+        ("max_seconds: 4", "max_seconds: 9", "max_seconds was 4.0 and is now 9.0. "),
+        ("robots: [1, 2]", "robots: [1, 2, 3]", "levels.3.noise.preset was bad wheels and is now none. "),
     ],
 )
 def test_another_design_is_refused_with_the_difference(whole: Path, before: str, after: str, told: str) -> None:
@@ -206,7 +206,7 @@ def test_a_map_that_changed_is_refused(tmp_path: Path) -> None:
     run(tmp_path / "sweep", InlineEngine(), text)
     with (tmp_path / "hall" / "rooms.yaml").open("a") as file:
         file.write("# moved\n")
-    with pytest.raises(BadFile, match=r"the files of map \./hall have changed since"):
+    with pytest.raises(BadFile, match=r"the files of map \./hall were changed"):
         run(tmp_path / "sweep", InlineEngine(), text)
 
 
@@ -252,7 +252,7 @@ def test_a_game_that_is_not_the_same_again_is_told(tmp_path: Path, monkeypatch: 
     status = status_of(tmp_path / "sweep")
     assert (status.drawn, status.verified) == (2, 2)
     (differing,) = status.differing
-    assert differing.startswith("condition 1, seed 5: the result differs when repeated (first played by ")
+    assert differing.startswith("condition 1, seed 5: the repetition gave another result (first played by ")
     assert [row["verified"] for row in games(tmp_path / "sweep").to_pylist()] == [True, False]
 
 
@@ -274,7 +274,7 @@ def test_a_game_with_which_two_workers_died_is_left_out_and_marked(tmp_path: Pat
     assert (told.deaths, told.failed, told.played) == (2, 1, 2)
     rows = games(tmp_path / "sweep").to_pylist()
     assert [(row["status"], row["score"]) for row in rows] == [(GameStatus.OUT_OF_TIME, 0), (GameStatus.CRASHED, None)]
-    assert rows[1]["fault"] == "2 workers died while they played it"
+    assert rows[1]["fault"] == "2 workers died during this game"
 
 
 ONE_CHUNK = "seeds: [3, 5, 8, 9]\nverify: 0\nmax_seconds: 1\n"

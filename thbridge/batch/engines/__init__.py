@@ -1,1 +1,1 @@
-"""Engines: they carry out the tasks of a sweep, on this machine or on many machines."""
+"""Engines, which run the tasks of a batch on one or many machines."""

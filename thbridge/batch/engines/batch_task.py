@@ -1,4 +1,4 @@
-"""Tasks of a batch: work for any process that can access the batch's folder."""
+"""Interface of a task of a batch. Any process with access to the batch's folder can run the task."""
 
 import os
 import socket
@@ -13,9 +13,9 @@ class TaskOutcome:
     Attributes:
         games: number of games.
         failed: number of games without a result.
-        faults: sentences about failed games, and about games that gave another result when repeated.
+        faults: sentences about failed games, and about games with another result in a repetition.
         cpu_seconds: total processor time.
-        left: number of games that a further call has to play. The outcome of the last call counts all games.
+        left: number of games for a further call. The outcome of the last call counts all games.
     """
 
     games: int
@@ -26,17 +26,17 @@ class TaskOutcome:
 
 
 class BatchTask(Protocol):
-    """Work that leaves its result in a file. Tasks are sent to other processes, so they can be pickled."""
+    """A task that writes its result to a file. Tasks can be pickled, because they are sent to other processes."""
 
     @property
     def urgent(self) -> bool:
-        """True for a task that comes before others."""
+        """True for a task with priority over other tasks."""
 
     def carry_out(self, most: int | None = None) -> TaskOutcome:
-        """Carry out the task, unless its result exists; the result is on disk when this returns.
+        """Carry out the task, unless its result exists. The result is on the disk when this function returns.
 
         Args:
-            most: number of games after which it may return even if games are left. If None, it plays all games.
+            most: number of games after which the function may return. If None, it plays all games.
 
         Raises:
             BadFile: the folder cannot be written.
@@ -44,5 +44,5 @@ class BatchTask(Protocol):
 
 
 def worker_name() -> str:
-    """Return the name of this process, unique among all processes that write to a folder."""
+    """Return the name of this process. It is unique among all processes that write to a folder."""
     return f"{socket.gethostname()}:{os.getpid()}"

@@ -1,4 +1,4 @@
-"""Workers of a Dask cluster (extra `cluster`), which may join, leave and die while a sweep runs."""
+"""Engine for the workers of a Dask cluster (extra `cluster`). Workers may join, leave or die while a sweep runs."""
 
 import os
 from collections import deque
@@ -17,13 +17,13 @@ CONNECT_SECONDS = 10.0
 
 
 class DaskEngine(Generic[TaskT]):
-    """Engine that uses a Dask cluster. The workers must see the batch's folder under the same path.
+    """Engine that uses a Dask cluster. The batch's folder must have the same path on all workers.
 
     Args:
         scheduler: address of the scheduler.
 
     Raises:
-        EngineFailed: there is no scheduler at this address.
+        EngineFailed: no scheduler answers at this address.
     """
 
     def __init__(self, scheduler: str) -> None:
@@ -32,7 +32,7 @@ class DaskEngine(Generic[TaskT]):
         except (OSError, ValueError, TimeoutError, TypeError, RuntimeError) as error:
             reason = f"No Dask scheduler answers at {scheduler} ({error})."
             raise EngineFailed(
-                f"{reason} Start one with `dask scheduler`, and workers with `dask worker ADDRESS`."
+                f"{reason} Start a scheduler with `dask scheduler`, and workers with `dask worker ADDRESS`."
             ) from None
         self._ended = as_completed([], loop=self._client.loop)
         self._tasks: dict[str, _DaskTask[TaskT]] = {}
@@ -53,7 +53,7 @@ class DaskEngine(Generic[TaskT]):
             future = next(self._ended)
             sent = self._tasks.pop(future.key)
             if future.status == "cancelled":
-                raise EngineFailed("The Dask cluster has closed. A further run continues where this one ended.")
+                raise EngineFailed("The Dask cluster was closed. To continue the sweep, run the command again.")
             fault = future.exception() if future.status == "error" else None
             if isinstance(fault, KilledWorker):
                 yield FinishedTask(sent.task, None, "", self._cause())
@@ -64,7 +64,7 @@ class DaskEngine(Generic[TaskT]):
                 future.release()
                 cpu_seconds = sent.cpu_seconds + outcome.cpu_seconds
                 if outcome.left:
-                    # The same worker continues, so that a different one can verify its games.
+                    # The same worker continues, so that a different worker can verify its games.
                     self._submit(_DaskTask(sent.task, 2 * sent.most, cpu_seconds), [worker])
                 else:
                     yield FinishedTask(sent.task, replace(outcome, cpu_seconds=cpu_seconds), worker, self._cause())
@@ -79,23 +79,23 @@ class DaskEngine(Generic[TaskT]):
             key=key,
             pure=False,
             workers=workers,
-            allow_other_workers=workers is not None,  # if the named workers are gone
-            priority=int(sent.task.urgent),  # differences show early
+            allow_other_workers=workers is not None,  # The named workers may have left.
+            priority=int(sent.task.urgent),
         )
         self._tasks[key] = sent
         self._ended.add(future)
 
     def _hear(self, event: tuple[float, Mapping[str, object]]) -> None:
-        """Record the reason for which the scheduler ended a worker; only this event contains it."""
+        """Store the reason why the scheduler ended a worker. Only this event contains the reason."""
         if event[1].get("action") == "worker-ttl-timed-out":
             self._causes.append(
                 f"The Dask scheduler ended a worker that did not respond for {event[1]['ttl']:.0f} s: a long compiled "
-                "call blocked its interpreter. Start the scheduler with a longer time, for example "
+                "call blocked its interpreter. Start the scheduler with a longer timeout, for example "
                 "`DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL=1h dask scheduler`."
             )
 
     def _cause(self) -> str | None:
-        """Return a sentence if the scheduler has ended workers since the last call, or None."""
+        """Return a sentence if the scheduler has ended workers since the last call; otherwise None."""
         return self._causes.pop() if self._causes else None
 
     def __enter__(self) -> "DaskEngine[TaskT]":
@@ -107,7 +107,7 @@ class DaskEngine(Generic[TaskT]):
 
 @dataclass(frozen=True, slots=True)
 class _DaskTask(Generic[TaskT]):
-    """A sent task, and the number of games to play in one call: one at first, then twice as many each time."""
+    """A sent task, and the number of games in one call: first 1, then twice the previous number."""
 
     task: TaskT
     most: int = 1
@@ -115,5 +115,5 @@ class _DaskTask(Generic[TaskT]):
 
 
 def _carried_out(task: BatchTask, most: int) -> tuple[str, TaskOutcome]:
-    """Carry out a task, or some of its games; return the name of the worker and the outcome."""
+    """Carry out a task or some of its games. Return the name of the worker and the outcome."""
     return get_worker().address, task.carry_out(most)

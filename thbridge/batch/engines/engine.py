@@ -1,4 +1,4 @@
-"""Interface between a batch and the workers that carry out its tasks."""
+"""Interface between a batch and the workers that run its tasks."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,13 +11,13 @@ TaskT = TypeVar("TaskT", bound=BatchTask)
 
 @dataclass(frozen=True, slots=True)
 class FinishedTask(Generic[TaskT]):
-    """A task that was carried out, or that lost its worker.
+    """A finished task, or a task whose worker died.
 
     Attributes:
         task: the task.
-        outcome: outcome of the task, or None if its worker died.
+        outcome: outcome of the task, or None if the worker died.
         worker: name of the worker, for `Engine.submit`.
-        cause: sentence on why workers were lost in the meantime, or None if none was lost or the reason is unknown.
+        cause: sentence about the reason why workers died meanwhile, or None if no worker died or the reason is unknown.
     """
 
     task: TaskT
@@ -27,26 +27,26 @@ class FinishedTask(Generic[TaskT]):
 
 
 class EngineFailed(Exception):  # noqa: N818 - people read it as a sentence
-    """Failure after which an engine cannot continue; `str()` gives the reason as a sentence."""
+    """Failure after which an engine cannot continue. `str()` gives the reason as a sentence."""
 
 
 class Engine(Protocol[TaskT]):
-    """Engine that carries out tasks on its workers. As a context manager, it ends the workers on exit."""
+    """Runner of tasks on several workers. As a context manager, it ends the workers on exit."""
 
     def submit(self, task: TaskT, avoid: str | None = None) -> None:
-        """Accept a task. This may also be called while `finished` runs.
+        """Accept a task. The caller may call this method while `finished` runs, too.
 
         Args:
             task: the task.
-            avoid: name of a worker that should not carry it out if there is another.
+            avoid: name of a worker that should not run the task if there is another worker.
         """
 
     def finished(self) -> Iterator[FinishedTask[TaskT]]:
-        """Yield tasks as they end, until none is left.
+        """Yield each task when it ends, until all tasks have ended.
 
         Raises:
             BadFile: a worker cannot write the batch's folder.
-            EngineFailed: there are no workers that can work.
+            EngineFailed: no worker can continue.
         """
 
     def __enter__(self) -> "Engine[TaskT]": ...

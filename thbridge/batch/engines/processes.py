@@ -1,4 +1,4 @@
-"""Worker processes of this machine: they start quickly, carry out many tasks, and are replaced when they die."""
+"""Engine for worker processes on this machine. It replaces workers that die."""
 
 import signal
 from collections import deque
@@ -15,7 +15,7 @@ from thbridge.batch.engines.engine import EngineFailed, FinishedTask, TaskT
 
 @dataclass(slots=True)
 class _WorkerProcess(Generic[TaskT]):
-    """A worker: its process, our end of its pipe, and its current task."""
+    """A worker: its process, our end of the pipe to it, and its current task."""
 
     process: BaseProcess
     pipe: "Connection[TaskT, TaskOutcome | Exception]"
@@ -31,8 +31,8 @@ class ProcessEngine(Generic[TaskT]):
 
     Args:
         processes: number of processes.
-        warm: modules that are imported once, in a process from which all workers are forked. Forking this program
-            itself would copy its threads in the middle of their work; one of them draws the progress.
+        warm: modules that a separate process imports once. All workers are forks of this process. A fork of this
+            program would copy its running threads, such as the thread that draws the progress.
     """
 
     def __init__(self, processes: int, warm: Sequence[str]) -> None:
@@ -43,7 +43,7 @@ class ProcessEngine(Generic[TaskT]):
         self._workers: list[_WorkerProcess[TaskT]] = []
 
     def submit(self, task: TaskT, avoid: str | None = None) -> None:
-        """See `Engine`. Games to play again come first, so that differences show early."""
+        """See `Engine`. Repetitions of games have priority, so that differences are found early."""
         if avoid is not None and self._processes > 1:
             self._waiting.appendleft((task, avoid))
         else:
@@ -63,14 +63,14 @@ class ProcessEngine(Generic[TaskT]):
     def __exit__(self, *ended: object) -> None:
         for worker in self._workers:
             worker.pipe.close()
-            # A worker that is stopped in the middle of a chunk leaves no result, so its games are played again.
+            # A worker that stops during a chunk writes no result, so its games are played again.
             worker.process.terminate()
         for worker in self._workers:
             worker.process.join()
         self._workers = []
 
     def _assign(self) -> None:
-        """Give waiting tasks to idle workers, as long as there are both."""
+        """Assign waiting tasks to idle workers."""
         held: list[tuple[TaskT, str | None]] = []
         while self._waiting and self._has_room():
             task, avoid = self._waiting.popleft()
@@ -80,7 +80,7 @@ class ProcessEngine(Generic[TaskT]):
                 continue
             try:
                 worker.pipe.send(task)
-            except OSError:  # It died while it was idle.
+            except OSError:  # The idle worker died.
                 self._bury(worker)
                 self._waiting.appendleft((task, avoid))
                 continue
@@ -88,11 +88,11 @@ class ProcessEngine(Generic[TaskT]):
         self._waiting.extendleft(reversed(held))
 
     def _has_room(self) -> bool:
-        """Return True if a worker is idle, or another one may be started."""
+        """Return True if a worker is idle or a new worker may be started."""
         return len(self._workers) < self._processes or any(worker.task is None for worker in self._workers)
 
     def _idle(self, avoid: str | None) -> _WorkerProcess[TaskT] | None:
-        """Return a worker for a task, possibly a new one, or None if all suitable workers are busy."""
+        """Return an idle or new worker for a task, or None if all suitable workers are busy."""
         idle = [worker for worker in self._workers if worker.task is None]
         for worker in idle:
             if worker.name != avoid:
@@ -100,7 +100,7 @@ class ProcessEngine(Generic[TaskT]):
         if len(self._workers) < self._processes:
             return self._hire()
         if idle and self._processes == 1:
-            # The only worker has already played this chunk, so a new worker replaces it.
+            # The only worker has already played this chunk. So replace it by a new worker.
             self._bury(idle[0])
             return self._hire()
         return None
@@ -121,10 +121,10 @@ class ProcessEngine(Generic[TaskT]):
         self._workers.remove(worker)
 
     def _ended(self, worker: _WorkerProcess[TaskT]) -> FinishedTask[TaskT]:
-        """Return the task that a worker completed, or left unfinished when it died. Raise the worker's exception."""
+        """Return the finished task of a worker, or the unfinished task of a dead worker. Raise a worker's exception."""
         task = worker.task
         if task is None:
-            raise EngineFailed("A worker returned a result without having a task.")
+            raise EngineFailed("A worker without a task returned a result.")
         try:
             answer = worker.pipe.recv()
         except (EOFError, OSError):
@@ -138,7 +138,7 @@ class ProcessEngine(Generic[TaskT]):
 
 def _serve(pipe: "Connection[TaskOutcome | Exception, BatchTask]") -> None:
     """Carry out tasks until the other end of the pipe is closed."""
-    # Ctrl-C at a terminal reaches all its processes; the process that gives the tasks ends the workers.
+    # Ctrl-C at a terminal reaches all processes. But only the process with the engine ends the workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     while True:
         try:

@@ -1,4 +1,4 @@
-"""Jobs of Slurm, through submitit (extra `cluster`)."""
+"""Engine for Slurm jobs, by submitit (extra `cluster`)."""
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,13 +17,13 @@ STANDARD_OPTIONS = {"cpus_per_task": "1"}
 
 
 class SlurmEngine(Generic[TaskT]):
-    """Engine that uses Slurm jobs; waiting tasks are divided among the jobs of an array.
+    """Engine that uses Slurm jobs. It divides waiting tasks among the jobs of an array.
 
     Args:
         jobs: largest number of jobs.
         log: folder for submitit's files.
-        options: options of `sbatch`, by their long names.
-        cluster: "slurm"; or "local" or "debug", which need no Slurm.
+        options: options of `sbatch`, by long name.
+        cluster: "slurm", or for tests without Slurm "local" or "debug".
     """
 
     def __init__(self, jobs: int, log: Path, options: Mapping[str, str], cluster: str = "slurm") -> None:
@@ -35,13 +35,13 @@ class SlurmEngine(Generic[TaskT]):
         self._running: list[tuple[_Job, Sequence[TaskT]]] = []
 
     def submit(self, task: TaskT, avoid: str | None = None) -> None:
-        """See `Engine`; every job counts as another worker."""
+        """See `Engine`. Every job counts as a different worker."""
         self._waiting.append(task)
 
     def finished(self) -> Iterator[FinishedTask[TaskT]]:
         """See `Engine`."""
         while self._waiting or self._running:
-            # Tasks that are added while jobs run, such as games to play again, wait until all jobs have ended.
+            # New tasks, such as repetitions of games, wait until all running jobs have ended.
             if not self._running:
                 self._start()
             for job, tasks in [each for each in self._running if each[0].done()]:
@@ -65,12 +65,12 @@ class SlurmEngine(Generic[TaskT]):
 
 
 def _carried_out(tasks: Sequence[BatchTask]) -> tuple[str, list[TaskOutcome]]:
-    """Carry out the tasks of a job; return the name of its worker and the outcomes."""
+    """Carry out the tasks of a job. Return the name of its worker and the outcomes."""
     return worker_name(), [task.carry_out() for task in tasks]
 
 
 def _ended(job: _Job, tasks: Sequence[TaskT]) -> Iterator[FinishedTask[TaskT]]:
-    """Yield the tasks of a job that has ended. Raise their exception, if any."""
+    """Yield the tasks of an ended job, or raise the exception of a task."""
     fault = job.exception()
     if fault is None:
         worker, outcomes = job.result()
@@ -78,6 +78,6 @@ def _ended(job: _Job, tasks: Sequence[TaskT]) -> Iterator[FinishedTask[TaskT]]:
         return
     if not isinstance(fault, submitit.core.utils.UncompletedJobError):
         raise fault
-    # The job was killed or ran out of time, so another job does the rest.
+    # The job was killed or reached its time limit, so another job runs its tasks.
     for task in tasks:
         yield FinishedTask(task, None, job.job_id)

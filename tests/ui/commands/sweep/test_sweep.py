@@ -136,4 +136,4 @@ def test_games_that_are_not_the_same_again_end_with_1(monkeypatch: pytest.Monkey
     done = invoke("sweep", "design.yaml", "--processes", "1")
     assert done.exit_code == 1
     assert "repeated games gave DIFFERENT results. Do not trust this sweep." in done.stderr
-    assert "seed 1: the result differs when repeated (first played by " in done.stderr
+    assert "seed 1: the repetition gave another result (first played by " in done.stderr
