@@ -44,13 +44,13 @@ class TopicSummary:
     Attributes:
         name: name, with its leading slash.
         msgtype: type of its messages; if publishers have different types, all types, separated by commas.
-        md5: md5 sum of the type; several sums, separated by commas, if publishers disagree.
+        md5: md5 sum of the type; if publishers have different types, all sums, separated by commas.
         messages: number of messages.
-        latched: True if a publisher latches it.
-        callers: names of its publishers.
+        latched: True if a publisher latches the topic.
+        callers: names of the publishers.
         hertz: inverse of the median period; None if the topic has no period.
-        start_ns: stamp of its first message, or None.
-        end_ns: stamp of its last message, or None.
+        start_ns: stamp of the first message, or None.
+        end_ns: stamp of the last message, or None.
         gaps: the ten longest gaps, longest first.
     """
 
@@ -98,7 +98,7 @@ class RecordingSummary:
         path: path as given.
         parts: files of the recording.
         size: size of all files, bytes.
-        compression: compression of its chunks; several are separated by commas.
+        compression: compression of the chunks; if there are several kinds, all kinds, separated by commas.
         start_ns: stamp of the first message, nanoseconds; None if there is none.
         end_ns: stamp of the last message, nanoseconds.
         duration: time between the first and the last message, seconds.

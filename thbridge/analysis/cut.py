@@ -1,4 +1,4 @@
-"""Cut of a recording: a part of it as a bag that can be played on its own."""
+"""Cut of a recording: a part of the recording, as a bag that can be played alone."""
 
 import math
 from collections.abc import Collection
@@ -39,10 +39,10 @@ class CutResult:
 
     Attributes:
         path: new bag.
-        messages: number of messages in it.
-        latched: number of latched messages in it that were recorded before the cut begins.
+        messages: number of messages in the new bag.
+        latched: number of latched messages in the new bag that were recorded before the cut begins.
         start_ns: stamp at which the cut begins.
-        end_ns: stamp of its last message.
+        end_ns: stamp of the last message in the new bag.
     """
 
     path: Path
@@ -107,7 +107,7 @@ def _check_topics(bag: Path, wanted: Collection[str] | None, there: Collection[s
 def _copy(
     bag: Path, topics: Collection[str] | None, start_ns: int, end_ns: int, target: BagFile
 ) -> tuple[int, int, int]:
-    """Copy the messages. Return their number, the number of latched ones among them, and the last stamp."""
+    """Copy the messages. Return the number of messages, the number of latched messages, and the last stamp."""
     latched: dict[BagConnection, bytes] = {}
     messages = early_messages = 0
     last_ns = start_ns

@@ -48,7 +48,7 @@ class Ros2Result:
         path: folder that was written.
         messages: number of messages.
         left_out: topics that could not be converted.
-        broken: number of messages of other topics that are omitted, because they do not match their definition.
+        broken: number of omitted messages of other topics. These messages do not match the definition of their topic.
     """
 
     path: Path
@@ -138,7 +138,7 @@ class _Conversion:
         if target not in self._theirs.fielddefs:
             fields = ours.fielddefs.items()
             register(self._theirs, {name: own for name, own in fields if name not in self._theirs.fielddefs})
-        with redirect_stdout(io.StringIO()):  # it prints what it does
+        with redirect_stdout(io.StringIO()):  # the converter prints what it does
             convert = generate_message_converter(ours, self._theirs, source, target, {}, src_is2=False, dst_is2=True)
         key = publisher.topic, target, publisher.latching is True
         if key not in self._connections:

@@ -43,7 +43,8 @@ def claim(bag: Path) -> None:
             owner = file.read().strip() or "another program"
             file.close()
             raise BadFile(bag, f"{owner} is recording there", "choose another name, or wait until that ends") from None
-        # The previous owner may have removed the file in the meantime. Then this lock is on a deleted file: try again.
+        # The previous owner may have removed the file in the meantime. In this case, the lock is on a deleted file: try
+        # again.
         if path.exists() and os.fstat(file.fileno()).st_ino == path.stat().st_ino:
             break
         file.close()

@@ -1,9 +1,9 @@
 """Digest of a recording's messages: equal for sessions that sent the same messages, even on different machines.
 
-It is a SHA-256 over all messages except the session's own record, oldest first; messages with one stamp are in the
-order of recording. Each message adds: topic (UTF-8), type (UTF-8), stamp in nanoseconds, data. Topic, type and data
-have their length in bytes before them. Lengths and stamps are unsigned little-endian integers of 8 bytes. Compression,
-parts, chunks, definitions and publishers do not affect the digest.
+The digest is a SHA-256 over all messages except the session's own record, oldest first. Messages with equal stamps are
+in the order of recording. Each message adds: topic (UTF-8), type (UTF-8), stamp in nanoseconds, data. Before topic,
+type and data, the length in bytes is added. Lengths and stamps are unsigned little-endian integers of 8 bytes.
+Compression, parts, chunks, definitions and publishers do not affect the digest.
 """
 
 import struct

@@ -37,8 +37,8 @@ class RecoveredGame:
         state: the state after all events.
         size: bytes of the complete lines of the file, each with its newline.
         checksum: checksum of the last line; None if the journal has no checksums.
-        torn: the incomplete last line, which was being written when the program was killed, or None; it is not in
-            `events`.
+        torn: the incomplete last line, which was being written when the program was killed, or None. This line is not
+            in `events`.
     """
 
     started: GameStarted
@@ -121,7 +121,7 @@ def _lines(path: Path, content: bytes) -> tuple[list[bytes], str | None, int, by
 
 
 class Journal:
-    """Journal of one game, to which events are appended. It keeps its file open and locked; close it or use `with`."""
+    """Journal of one game, to which events are appended. The file stays open and locked; call `close` or use `with`."""
 
     def __init__(self, path: Path, file: IO[bytes]) -> None:
         self.path = path
@@ -130,7 +130,7 @@ class Journal:
 
     @classmethod
     def start(cls, folder: Path, started: GameStarted) -> Self:
-        """Begin the journal of a new game; its folder is created if it is missing.
+        """Begin the journal of a new game. If the folder is missing, create it.
 
         Raises:
             BadFile: a journal with this number already exists, or the new journal cannot be written.

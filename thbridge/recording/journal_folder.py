@@ -72,7 +72,7 @@ class JournalStore:
         """Resume the last game if it has not ended; return None if there is no such game.
 
         Raises:
-            BadFile: its journal cannot be read, or another program is writing it.
+            BadFile: the game's journal cannot be read, or another program is writing the journal.
         """
         if self.last_game == 0:
             return None

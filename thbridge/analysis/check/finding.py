@@ -54,13 +54,13 @@ class Finding:
 
     Attributes:
         rule: short name of the rule that found the problem.
-        severity: its severity.
+        severity: severity of the problem.
         tools: tools concerned.
-        topic: topic, or None if it concerns the whole bag.
-        what: problem as a sentence, without its full stop.
-        remedy: remedy as a clause, without its full stop.
-        first_ns: record stamp of the first message concerned, or None if it concerns no message.
-        count: number of messages concerned; 0 if it concerns no message.
+        topic: topic concerned, or None if the problem concerns the whole bag.
+        what: problem as a sentence, without full stop.
+        remedy: remedy as a clause, without full stop.
+        first_ns: record stamp of the first message concerned, or None if there is none.
+        count: number of messages concerned; 0 if there are none.
     """
 
     rule: str
@@ -79,10 +79,10 @@ class ScannedChunk:
 
     Attributes:
         chunk: record of the chunk.
-        counts: number of its messages by connection.
+        counts: number of messages in the chunk, by connection.
         indexed: number of messages by connection, according to the index data records after the chunk.
-        start_ns: least stamp in it, or None if it has no message.
-        end_ns: greatest stamp in it, or None if it has no message.
+        start_ns: least stamp in the chunk, or None if there are no messages.
+        end_ns: greatest stamp in the chunk, or None if there are no messages.
     """
 
     chunk: ChunkRecord
@@ -144,7 +144,8 @@ class CheckedMessage:
     Attributes:
         stamp_ns: time of recording.
         reading: values; empty if the message or its definition cannot be read.
-        fault: reason why its bytes do not match its type, as a clause; None if they match, or if this is unknown.
+        fault: reason why the message's bytes do not match its type, as a clause; None if they match, or if this is
+            unknown.
     """
 
     stamp_ns: int

@@ -58,7 +58,7 @@ class Judgement:
 
 
 def judge(records: Iterable[BagRecord]) -> Judgement:
-    """Check a bag, given its records as `scan` reads them."""
+    """Check a bag, given by its records (see `scan`)."""
     reader = _BagReader()
     for record in records:
         reader.take(record)

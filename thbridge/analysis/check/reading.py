@@ -96,7 +96,7 @@ class MessageReader:
         self._steps = self._message(name, "", ())
 
     def read(self, data: bytes) -> Reading:
-        """Read a message. Raise UnreadableMessage if it is shorter or longer than its type."""
+        """Read a message. Raise UnreadableMessage if the bytes are too few or too many for the type."""
         into = Reading()
         at = 0
         try:

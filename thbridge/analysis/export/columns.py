@@ -72,9 +72,9 @@ class _NewColumn:
     Attributes:
         path: path of the value in the message.
         ending: words that replace the last word of the path in the name. If empty, the word is kept.
-        kind: type of its values.
-        unit: unit of its values.
-        meaning: meaning of its values.
+        kind: type of the values.
+        unit: unit of the values.
+        meaning: meaning of the values.
         values: function that reads the values from rows.
     """
 

@@ -25,7 +25,7 @@ INDEX = Column("index", "int64", "", "index in its array, from 0")
 EVENT = "event_"
 """Prefix of the names of columns that come from an event's JSON."""
 HAS_COLUMNS = frozenset({"v", "event", "robot", "room"})
-"""Keys of the JSON that get no column: other columns have them in ROS's numbering, or they describe the format."""
+"""Keys of the JSON that get no column: they describe the format, or other columns have the value in ROS's numbering."""
 LONGEST_TABLE = 200
 """Greatest length of a table's name, without the digest of longer names: file names have at most 255 characters."""
 MOST_FRAMES = 3
@@ -42,8 +42,8 @@ class Table:
     """Description of a table.
 
     Attributes:
-        name: name of its file, without suffix.
-        source: topic and, for an array within its messages, the field.
+        name: name of the table's file, without suffix.
+        source: topic and, for an array within the topic's messages, the field.
         msgtype: message type of a row.
         meaning: meaning for people; "" if unknown.
         columns: columns in order.

@@ -112,7 +112,7 @@ class NumberArray:
 
 @dataclass(frozen=True, slots=True)
 class StringArray:
-    """Array of strings; `count` is its length, or None if it is variable."""
+    """Array of strings; `count` is its length, or None if the length is variable."""
 
     path: Path
     count: int | None
@@ -120,7 +120,7 @@ class StringArray:
 
 @dataclass(frozen=True, slots=True)
 class MessageArray:
-    """Array of messages; `count` is its length, or None if it is variable."""
+    """Array of messages; `count` is its length, or None if the length is variable."""
 
     path: Path
     count: int | None

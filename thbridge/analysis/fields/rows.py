@@ -60,8 +60,8 @@ class GatheredRows:
     def add_all(self, messages: bytearray, lengths: NDArray[np.int64]) -> dict[int, str]:
         """Append messages in their order.
 
-        In most topics, many successive messages have the same length. They are cut into fields together, like the rows
-        of a table.
+        In most topics, many successive messages have the same length. These messages are cut into fields together, like
+        the rows of a table.
 
         Args:
             messages: bytes of the messages, one after the other.
@@ -219,8 +219,8 @@ class _Cuts:
 
     Attributes:
         rows: number of rows that each message gives.
-        pieces: for each part of the layout, the slices with its bytes: one for each row that a message gives, or for
-            each string of an array.
+        pieces: for each part of the layout, the slices with the bytes of this part. There is one slice for each row
+            that a message gives, or for each string of an array.
         lengths: for each part, the lengths of the arrays in a message.
         inner: fields of its arrays of messages, in the order of the layout.
     """

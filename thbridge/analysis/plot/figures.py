@@ -253,7 +253,7 @@ def _draw_attempts(
             lw=0.8,
         )
         room = next((event.room for event in departures if abs(event.time - attempt.start) < 1.0), None)
-        # The name, or even the number, is omitted if it does not fit into its bar.
+        # The name of a room, or even its number, is omitted if it does not fit into the bar.
         seconds = attempt.end - attempt.start
         if room is not None and seconds > letter:
             middle = 0.5 * (attempt.start + attempt.end)

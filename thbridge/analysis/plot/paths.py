@@ -83,7 +83,7 @@ def _extent(grid: OccupancyGrid | None, seen: Sequence[FloatArray]) -> tuple[flo
     known = [] if grid is None else [_corners(grid)]
     points = np.vstack([*known, *seen])
     low, high = points.min(axis=0), points.max(axis=0)
-    # The map includes its margin; paths need one, even if they are short.
+    # The map includes a margin. Even short paths need a margin.
     margin = 0.0 if known else 0.5 + 0.05 * float((high - low).max())
     return (
         float(low[0]) - margin,

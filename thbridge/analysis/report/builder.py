@@ -140,7 +140,7 @@ class ReportBuilder:
         return self.game is not None or self._score is not None
 
     def next_game(self, begins_ns: int) -> "ReportBuilder":
-        """Return the builder of the next game. It copies session, map and rooms, which are recorded only once."""
+        """Return the builder of the next game. Copy session, map and rooms, because they are recorded only once."""
         builder = ReportBuilder(self._series.named)
         builder.first_ns = builder._last_ns = begins_ns
         builder._begins = self._begins + self._seconds(begins_ns)

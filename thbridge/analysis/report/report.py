@@ -18,7 +18,7 @@ NEVER: FloatArray = np.empty(0)
 
 
 def index_in(name: str) -> int | None:
-    """Return the index of a robot in its team, given its name for programs; None for names of another form."""
+    """Return the index of a robot in its team, given the robot's name for programs; None for names of another form."""
     number = _OURS.fullmatch(name)
     return index_of(int(number[1])) if number else None
 
@@ -67,8 +67,8 @@ class Track:
 
     Attributes:
         name: name for programs: "robot1", from its namespace.
-        truth: (n, 4) time, x, y, theta of its true pose in the map.
-        estimate: (m, 4) time, x, y, theta of its estimated pose in the map.
+        truth: (n, 4) time, x, y, theta of the true pose in the map.
+        estimate: (m, 4) time, x, y, theta of the estimated pose in the map.
         errors: (m, 3) time, distance (m) and absolute angle (rad) between truth and estimate; empty if one is missing.
         energy: (k, 2) time, energy left, in the game's units, or in percent if the bag has only that.
         attempts: drives to goals, in order.
@@ -79,9 +79,9 @@ class Track:
         deviations: (d, 3) time, standard deviations of position (m) and heading (rad) that the localizer reports.
         sources: sentences about the topics that were used, for people.
         `carried`: (p,) times at which the robot was picked up and moved.
-        relocated: (q,) times at which its localizer found it elsewhere, or its odometry was reset.
-        ways_made: times in which it made way for other robots, in order.
-        reset: (r,) times at which its odometry was reset.
+        relocated: (q,) times at which the localizer found the robot elsewhere, or the odometry was reset.
+        ways_made: times in which the robot made way for other robots, in order.
+        reset: (r,) times at which the robot's odometry was reset.
         faults: sentences about poses that cannot be the motion of a robot.
     """
 
@@ -115,8 +115,8 @@ class ObstacleTrack:
 
     Attributes:
         name: name of the obstacle.
-        outline: (v, 2) corners of its first outline, closed; map frame, meters.
-        path: (n, 2) centers of its outlines in the order of time; one point if it stood.
+        outline: (v, 2) corners of the first outline, closed; map frame, meters.
+        path: (n, 2) centers of the outlines in the order of time; one point for an obstacle that did not move.
     """
 
     name: str

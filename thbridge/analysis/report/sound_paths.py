@@ -58,8 +58,8 @@ def sound_path(rows: FloatArray, by_stamp: bool, believed: bool = False) -> Soun
     Args:
         rows: see `unfit_stamps`, in the order of recording.
         by_stamp: True to use stamps as times, False to use times of recording.
-        believed: True if the poses are a robot's belief, which may be wrong. Then only poses with an odd stamp are
-            omitted.
+        believed: True if the poses are a robot's belief, which may be wrong. In this case, only poses with an odd stamp
+            are omitted.
     """
     times = rows[:, STAMPED if by_stamp else RECORDED]
     sound = sound_poses(_nanoseconds(rows[:, RECORDED]), _nanoseconds(times), rows[:, 2:])

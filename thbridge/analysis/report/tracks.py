@@ -50,8 +50,8 @@ class TrajectoryTopics:
     """Topics that the user names as a robot's trajectories, regardless of their names.
 
     Attributes:
-        truth: topic of its true poses. If None, it is found by its name.
-        estimate: topic of its estimated poses. If None, it is found by its name.
+        truth: topic of the robot's true poses. If None, the topic is found by name.
+        estimate: topic of the robot's estimated poses. If None, the topic is found by name.
     """
 
     truth: str | None = None
@@ -96,7 +96,7 @@ class SeriesByTopic:
     """Data of robots over time, by topic.
 
     Attributes:
-        named: topics of one robot's trajectories, if the user named them; then it is the only robot.
+        named: topics of one robot's trajectories, if the user named them; then this is the only robot.
         spool: storage of the numbers.
         odometry: poses of type nav_msgs/Odometry.
         poses: poses of types geometry_msgs/PoseWithCovarianceStamped and PoseStamped.
@@ -339,7 +339,7 @@ class _Sources:
         return _Taken(topic, self._all[topic]) if topic in self._all else self._nothing
 
     def _own_poses(self, by_topic: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
-        """Return the poses of the robot: by the prefix of their frame if it is a robot's, else by the namespace."""
+        """Return the poses of the robot, found by the prefix of the frame, or otherwise by the namespace."""
         named = self._robots - {""}
         return {
             topic: poses
@@ -366,7 +366,7 @@ def _first(
 
 
 def _thinned(track: Track, most: int) -> Track:
-    """Return a track with at most `most` poses of a kind, including the last of each. Its distance is unchanged."""
+    """Return a track with at most `most` poses of a kind, including the last of each. The distance is unchanged."""
     long = (track.truth, track.estimate, track.errors, track.odometry, track.speeds)
     every = -(-max(map(len, long)) // most)
     if every <= 1:

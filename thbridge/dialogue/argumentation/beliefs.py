@@ -30,7 +30,7 @@ class Origin:
     """Origin of a belief.
 
     Attributes:
-        source: kind of its source.
+        source: kind of source of the belief.
         at: simulated time of the observation or computation, s.
         confidence: confidence of the agent that sensed or computed it, 0 to 1.
     """
@@ -76,7 +76,7 @@ class Beliefs:
     def stance(self, proposition: Proposition) -> Stance:
         """Return the opinion on a proposition. A proposition that other beliefs exclude counts as disbelieved.
 
-        It is unknown without a belief about the proposition, and for inconsistent beliefs.
+        The opinion is unknown without a belief about the proposition, and for inconsistent beliefs.
         """
         wanted = Literal(proposition)
         yes, no = wanted in self, any(opposed(wanted, held) for held in self.origins)

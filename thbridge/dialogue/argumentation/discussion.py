@@ -89,7 +89,7 @@ class _Position:
         self._framework = framework
         self._said: dict[DiscussionLocution, set[str]] = {locution: set() for locution in DiscussionLocution}
         self._claims: list[str] = []
-        # Only a move about an argument, or about one of its attackers, can settle it.
+        # Only a move about an argument, or about one of its attackers, can settle this argument.
         self._may_be_settled: set[str] = set()
         self._last: DiscussionMove | None = None
         self._is_repeated = False
