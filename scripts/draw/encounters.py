@@ -1,8 +1,8 @@
-"""Draw how robots meet: swapping through one door, ten through one door, a dead robot in a doorway.
+"""Draw encounters of robots: two that swap through one door, ten at one door, and a dead robot in a doorway.
 
-Run it from the project's folder: `.venv/bin/python scripts/draw/encounters.py`. Each picture shows the hall with the
-trails of all robots, and next to it the position of each robot along the hall against time. A waiting robot draws a
-vertical line; robots pass the door one by one. The same code gives the same trails.
+Run this script from the project's folder: `.venv/bin/python scripts/draw/encounters.py`. Each picture shows the hall
+with the trails of all robots, and next to it the position of each robot along the hall against time. The same code
+gives the same trails.
 """
 
 import argparse
@@ -34,7 +34,7 @@ LIMIT = 300.0
 
 @dataclass(frozen=True, slots=True)
 class Encounter:
-    """Hall with one wall across, and robots that want to pass it.
+    """Hall that a wall divides, and robots that want to pass the wall.
 
     Attributes:
         title: title of the picture.
@@ -55,7 +55,7 @@ class EncounterRun:
 
     Attributes:
         poses: (ticks, robots, 3) true poses.
-        ends: for each robot, the outcome of its goal and the seconds until then; None for dead robots.
+        ends: for each robot, the result of its goal and the time of this result in seconds; None for dead robots.
         collisions: number of collisions.
     """
 
@@ -65,7 +65,7 @@ class EncounterRun:
 
 
 def swapping() -> Encounter:
-    """Return two robots on opposite sides of a door; each wants to reach the place of the other."""
+    """Return two robots on opposite sides of a door; the goal of each robot is the start of the other."""
     west, east = Pose2(3.0, 3.0, 0.0), Pose2(9.0, 3.0, 0.0)
     return Encounter("Two robots swap through one door", (3.0,), (west, east), (east, west))
 
@@ -78,7 +78,7 @@ def crowd() -> Encounter:
 
 
 def dead_in_one_of_two() -> Encounter:
-    """Return a hall with two doors and a dead robot in the nearer one."""
+    """Return a hall with two doors, and a dead robot in the nearer door."""
     starts = (Pose2(WALL_AT, 1.5, 0.0), Pose2(2.0, 1.5, 0.0), Pose2(10.0, 1.5, 0.0))
     return Encounter(
         "A dead robot in one of two doors: take the other", (1.5, 4.5), starts, (None, starts[2], starts[1])
@@ -86,7 +86,7 @@ def dead_in_one_of_two() -> Encounter:
 
 
 def dead_in_the_only_one() -> Encounter:
-    """Return a hall with one door and a dead robot in it."""
+    """Return a hall with one door, and a dead robot in this door."""
     starts = (Pose2(WALL_AT, 3.0, 0.0), Pose2(2.0, 3.0, 0.0), Pose2(10.0, 3.0, 0.0))
     return Encounter("A dead robot in the only door: no path is reported", (3.0,), starts, (None, starts[2], starts[1]))
 
@@ -100,7 +100,7 @@ ENCOUNTERS = {
 
 
 def hall(doors: tuple[float, ...]) -> OccupancyGrid:
-    """Return the hall: walls around it, and a wall with doors across it."""
+    """Return a hall with walls around it, and with a wall with doors in the middle."""
     cells = np.full((round(WIDTH / RESOLUTION), round(LENGTH / RESOLUTION)), OCCUPIED, dtype=np.int8)
     cells[2:-2, 2:-2] = FREE
     wall = round(WALL_AT / RESOLUTION)

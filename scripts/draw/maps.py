@@ -1,7 +1,7 @@
 """Draw the maps that come with the project: `maps/arena8`, `maps/warehouse12`, `maps/office` and `maps/practice`.
 
-Run it from the project's folder: `.venv/bin/python scripts/draw/maps.py`. The same drawing gives the same bytes, so
-`git diff` shows the effect of a changed wall. `--resolution` draws finer or coarser cells, `--into` sets the output
+Run this script from the project's folder: `.venv/bin/python scripts/draw/maps.py`. The same drawing gives the same
+bytes, so `git diff` shows the effect of a changed wall. `--resolution` sets the size of cells, and `--into` the output
 folder.
 
 If a map has no measured travel costs, they are estimated, in seconds, as
@@ -9,10 +9,10 @@ If a map has no measured travel costs, they are estimated, in seconds, as
     length / SPEED + turned / TURN_RATE
 
 over the shortest path between two goals that keeps a robot's clearance. `length` is in meters. `turned` is the sum of
-the angles, radians, by which a robot turns at its start, at every corner and at its goal; it leaves and reaches every
-goal at the goal's own heading. The constants are rounded from the least-squares fit of this formula to the matrix
-measured in 2016 on arena8 (1.01 m/s and 0.78 rad/s). With the rounded ones, the error is 2.4 s root mean square, and at
-most 5.2 s.
+the angles, radians, by which a robot turns at its start, at every corner and at its goal. The robot leaves and reaches
+every goal at the goal's heading. The constants are rounded from the least-squares fit of this formula to the matrix
+measured in 2016 on arena8 (1.01 m/s and 0.78 rad/s). With the rounded constants, the error is 2.4 s root mean square,
+and at most 5.2 s.
 """
 
 import argparse
@@ -50,8 +50,8 @@ TURN_RATE = 0.8
 
 @dataclass(frozen=True)
 class RoomPlan:
-    """Room: its corners (if there are only two, opposite corners of a box) and the robots' goal in it, in the map
-    frame, meters."""
+    """Room with its corners and the robots' goal, in the map frame, meters. Two corners mean opposite corners of a box.
+    """
 
     name: str
     region: tuple[Point, ...]
@@ -63,7 +63,7 @@ class MapPlan:
     """Map to draw.
 
     Attributes:
-        name: name of its folder.
+        name: name of the map's folder.
         origin: lower left corner, meters.
         size: width and height, meters.
         walls: center lines of the inner walls, (x0, y0, x1, y1); the outer box is added.
@@ -358,10 +358,10 @@ class PathLength:
 
 
 def path_lengths(grid: OccupancyGrid, places: list[Pose2]) -> dict[tuple[int, int], PathLength]:
-    """Measure the shortest paths between all places: over the eight neighbors of each cell, then straightened.
+    """Measure the shortest paths between all places. Paths go to the eight neighbors of a cell, and are straightened.
 
-    A path over a grid turns only by multiples of 45 degrees, and is up to 8 % too long. Therefore its superfluous
-    corners are removed.
+    A path over a grid turns only by multiples of 45 degrees, and is up to 8 % too long. Therefore corners are removed if
+    a straight line can skip them.
     """
     walls = np.pad(grid.cells != OCCUPIED, 1, constant_values=False)
     clearance = np.asarray(distance_transform_edt(walls))[1:-1, 1:-1] * grid.resolution

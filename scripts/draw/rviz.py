@@ -1,7 +1,7 @@
 """Take a picture of rviz next to a running hunt: `docs/pictures/rviz.png`.
 
-Run it from the project's folder: `.venv/bin/python scripts/draw/rviz.py`. It plays a hunt on a separate ROS graph,
-starts rviz on an invisible screen (Xvfb) with the configuration that `thbridge ros rviz` writes, waits a moment and
+Run this script from the project's folder: `.venv/bin/python scripts/draw/rviz.py`. It plays a hunt on a separate ROS
+graph, starts rviz on an invisible screen (Xvfb) with the configuration of `thbridge ros rviz`, waits some seconds, and
 takes the picture. It needs Debian's rviz, xvfb and imagemagick.
 """
 
@@ -47,7 +47,7 @@ def running(command: list[str], environment: dict[str, str], log: Path) -> Itera
 
 
 def wait_for_port(port: int, timeout: float) -> None:
-    """Return when a server listens on the port. Raise TimeoutError if none does in time."""
+    """Wait until a server listens on the port. Raise TimeoutError at the end of the timeout."""
     end = time.monotonic() + timeout
     while time.monotonic() < end:
         with socket.socket() as probe:
@@ -91,7 +91,7 @@ def main() -> None:
     options = parser.parse_args()
     missing = [program for program in NEEDED if shutil.which(program) is None]
     if missing:
-        sys.exit(f"not installed: {', '.join(missing)}. apt-get install rviz xvfb imagemagick")
+        sys.exit(f"These programs are not installed: {', '.join(missing)}. Run: apt-get install rviz xvfb imagemagick")
     # A file with a fixed name could already belong to another account.
     logs = options.logs or Path(mkdtemp(prefix="draw_rviz-"))
     logs.mkdir(parents=True, exist_ok=True)

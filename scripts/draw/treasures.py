@@ -1,7 +1,7 @@
-"""Draw the pictures of the treasures in `templates/*/pictures`; they are the same in every run.
+"""Draw the pictures of the treasures in `templates/*/pictures`. Every run gives the same pictures.
 
-Each treasure is a signed distance field with a color for every point, drawn by sphere tracing: lit from the upper left,
-on a floor with its shadow.
+Each treasure is a signed distance field with a color for every point, drawn by sphere tracing. The light comes from the
+upper left, and the treasure has a shadow on the floor.
 
     python scripts/draw/treasures.py [FOLDER]
 """
@@ -29,7 +29,8 @@ WALL = np.array([0.62, 0.66, 0.71])
 
 @dataclass(frozen=True)
 class Solid:
-    """Treasure: distance (n,) of points (n, 3) to its surface, colors (n, 3) of points on it, and its shine."""
+    """Treasure: functions for the distance (n,) of points (n, 3) to its surface and for their colors (n, 3); its shine.
+    """
 
     distance: Callable[[Floats], Floats]
     colour: Callable[[Floats], Floats]
@@ -43,7 +44,7 @@ def rgb(code: int) -> Floats:
 
 
 def turned(points: Floats, angle: float) -> Floats:
-    """Return the points in a frame turned about the vertical."""
+    """Return the points in a frame that is turned about the vertical axis."""
     cos, sin = np.cos(angle), np.sin(angle)
     return np.stack(
         [cos * points[:, 0] - sin * points[:, 2], points[:, 1], sin * points[:, 0] + cos * points[:, 2]], axis=1
@@ -89,7 +90,7 @@ def box(half: Sequence[float], centre: Sequence[float], rounding: float) -> Call
 
 
 def painted(points: Floats, ground: Floats) -> Floats:
-    """Return one color for all points, as a base coat."""
+    """Return the same color for all points, as a base coat."""
     return np.broadcast_to(ground, points.shape).copy()
 
 
@@ -214,7 +215,7 @@ def basketball() -> Solid:
 
 
 def fuzzy_die() -> Solid:
-    """Return a plush die, pink with white pips and furry all over."""
+    """Return a pink plush die with white pips and fur."""
     half, angle = 0.72, 0.55
     cube = box((half, half, half), (0.0, half, 0.0), 0.17)
     pips = {
@@ -249,7 +250,7 @@ def fuzzy_die() -> Solid:
 
 
 def candy_box() -> Solid:
-    """Return an open green box full of sweets, with a wrapped one painted on its front."""
+    """Return an open green box full of sweets, with a wrapped sweet painted on its front."""
     angle = 0.42
     outer = box((0.95, 0.55, 0.70), (0.0, 0.55, 0.0), 0.04)
     inner = box((0.88, 0.55, 0.63), (0.0, 0.70, 0.0), 0.03)
@@ -301,7 +302,7 @@ def candy_box() -> Solid:
 
 
 def wooden(shape: Callable[[Floats], Floats], body: int, board: float) -> Solid:
-    """Return a thing of painted boards of this width, with the grain of the wood in the paint."""
+    """Return an object of painted boards of this width, with the grain of the wood in the paint."""
 
     def colour(points: Floats) -> Floats:
         grain = np.sin(9.0 * points[:, 1] + 40.0 * np.sin(1.7 * points[:, 0] + 0.6 * points[:, 2]))
@@ -327,7 +328,7 @@ def metallic(shape: Callable[[Floats], Floats], body: int, rims: Sequence[float]
 
 
 def ceramic(shape: Callable[[Floats], Floats], glaze: int, foot: float) -> Solid:
-    """Return a thing of fired clay, glazed above its foot."""
+    """Return an object of fired clay with a glaze above its foot."""
 
     def colour(points: Floats) -> Floats:
         paint = painted(points, rgb(glaze))
@@ -375,8 +376,7 @@ def march(solid: Solid, start: Floats, direction: Floats, far: float) -> tuple[F
         gap = solid.distance(start[active] + gone[active, None] * direction[active])
         narrow[active] = np.minimum(narrow[active], np.maximum(gap, 0.0) / gone[active])
         hit[active[gap < 0.0015]] = True
-        # Patterns in a surface slightly distort the distances. Short steps prevent that a ray jumps through the
-        # surface.
+        # Patterns in a surface slightly distort the distances. With short steps, no ray jumps through the surface.
         gone[active] += np.maximum(0.7 * gap, 0.001)
         active = active[(gap >= 0.0015) & (gone[active] < far)]
         if not active.size:

@@ -1,9 +1,9 @@
-"""Draw every window and dialog, and the page that shows them, `docs/reference/windows-gallery.md`.
+"""Draw every window and dialog, and write the page with the pictures, `docs/reference/windows-gallery.md`.
 
-The pictures are `docs/pictures/windows/<name>-<light|dark>.png`. Those of `SIZED` are also drawn at four sizes with
-three sizes of text, as `<name>-<width>x<height>-<text>.png`. Run it from the project's folder:
-`.venv/bin/python scripts/draw/windows.py`. The pictures show real games and a real recording, made during the run in
-simulated time; no window appears on the screen. The same code, fonts and Qt give the same pictures. The typeface is
+Run this script from the project's folder: `.venv/bin/python scripts/draw/windows.py`. The pictures are
+`docs/pictures/windows/<name>-<light|dark>.png`. Pictures of `SIZED` are also drawn at four sizes with three sizes of
+text, as `<name>-<width>x<height>-<text>.png`. The pictures show real games and a real recording, which the script makes
+in simulated time. No window appears on the screen. The same code, fonts and Qt give the same pictures. The typeface is
 Inter, as in the windows (Debian: fonts-inter).
 """
 
@@ -35,7 +35,7 @@ GALLERY = ROOT / "docs" / "reference" / "windows-gallery.md"
 SIZES = ((800, 500), (1024, 600), (1366, 768), (1920, 1080))
 """Widths and heights of windows, logical pixels."""
 TEXTS = (100, 125, 150)
-"""Sizes of text, percent of the normal size on a screen as large as the window."""
+"""Sizes of text, percent of the normal size on a screen that is as large as the window."""
 SIZED = (
     *("start", "consent", "practice", "begin", "talk", "treasure", "picture", "verdict-wrong", "playing", "queue"),
     *("help", "over", "six-robots", "recording", "live-wizard", "study-section", "study-noise"),
@@ -46,19 +46,19 @@ SIZED = (
 ABOUT = (
     "For everyone who wants to see a window before using it.",
     "",
-    "Each window light and dark, and the most important ones at four sizes with text of 100, 125 and 150 %.",
+    "Each window in light and dark colors; the most important windows at four sizes with text of 100, 125 and 150 %.",
     "`make pictures` draws them from real games and a real recording, and writes this page. The windows are",
     "explained in [windows.md](windows.md), [watching.md](../how-to/watching.md),",
     "[study-edit.md](../how-to/study-edit.md) and the pages *Your own ...*.",
 )
 SCREEN = (1920, 1080)
-"""Width and height of the screen, logical pixels; windows stay within it. The default of `offscreen` is 800 x 800."""
+"""Width and height of the screen, logical pixels, which limit all windows. The default of `offscreen` is 800 x 800."""
 SETTLE_TIMEOUT = 120.0
-"""Greatest number of seconds until a window must have settled."""
+"""Timeout for a window to settle, seconds."""
 
 
 def draw(into: Path, wanted: frozenset[str], palette: Palette) -> None:
-    """Draw the pictures with these names; draw those at all sizes in this palette."""
+    """Draw the pictures with these names. Pictures at all sizes have this palette."""
     application = open_application()
     apply_palette(application, LIGHT)
     application.setCursorFlashTime(0)
@@ -105,7 +105,7 @@ def sized(name: str, size: tuple[int, int], text: int) -> str:
 
 
 def save(file: Path, shot: Shot, application: QApplication) -> None:
-    """Write the picture of a window once it has settled."""
+    """Wait until a window has settled, and write its picture."""
     settle(application, shot)
     small = shrunk(grabbed(shot))
     file.write_bytes(small)
@@ -113,9 +113,9 @@ def save(file: Path, shot: Shot, application: QApplication) -> None:
 
 
 def settle(application: QApplication, shot: Shot) -> None:
-    """Wait until the window has settled. Raise TimeoutError if it does not in time."""
+    """Wait until the window has settled. Raise TimeoutError at the end of the timeout."""
     end = time.monotonic() + SETTLE_TIMEOUT
-    # A window reads its model in each frame; after that, the layout changes, and then the window is painted.
+    # In each frame, a window reads its model, then changes its layout, and then paints itself.
     calm = 0
     while calm < 12:
         if time.monotonic() > end:
@@ -126,7 +126,7 @@ def settle(application: QApplication, shot: Shot) -> None:
 
 
 def grabbed(shot: Shot) -> Image.Image:
-    """Return the window as an image, with the dialog over its middle."""
+    """Return the window as an image; if there is a dialog, it is over the middle of the window."""
     picture = image_of(shot.window)
     if shot.over is not None:
         above = image_of(shot.over)

@@ -18,7 +18,7 @@ SIZE = (1240, 860)
 
 
 def drawing() -> Iterator[Shot]:
-    """Yield rooms found on a map, with one selected; a line across a room; a refused change."""
+    """Yield found rooms with one selected room, a line across a room, and a refused change."""
     grid = read_grid(shipped().root / "maps" / "office" / "map.yaml")
     found = find_rooms(grid, *radii(np.array(FOOTPRINT)))
     window = ArenaWindow("office", grid, arena_of(grid, found, 3, ("Reception", "Library")), lambda _: None)

@@ -30,7 +30,7 @@ SECONDS = 4
 
 
 def at_the_desk() -> Iterator[Shot]:
-    """Yield a rehearsed study while a participant fills in a form, and the question before a run is excluded."""
+    """Yield the desk while a participant fills in a form, and the question before a run is excluded."""
     os.environ["TZ"] = "UTC"
     time.tzset()
     with tempfile.TemporaryDirectory() as scratch:
@@ -61,7 +61,7 @@ def at_the_desk() -> Iterator[Shot]:
 
 def as_a_form() -> Iterator[Shot]:
     """Yield the example in the editor: its factors, and its steps."""
-    # The window shows the folder, so use the same one each time.
+    # The window shows the folder's path, so use the same folder each time.
     folder = Path(tempfile.gettempdir()) / "arguing"
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(EXAMPLE, folder)
@@ -109,8 +109,11 @@ STORIES = (
         at_the_desk,
     ),
     Story(
-        "The experimenter: its file",
-        {"experiment-factors": "Factors of a study with people", "experiment-steps": "Its steps, in their order"},
+        "The experimenter: the file of a study",
+        {
+            "experiment-factors": "Factors of a study with people",
+            "experiment-steps": "Steps of the study, in their order",
+        },
         as_a_form,
     ),
 )

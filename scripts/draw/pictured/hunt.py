@@ -25,7 +25,7 @@ LIMIT = 120.0
 
 
 class PicturedHunt:
-    """Real game, played like by a person at the window. Its time advances only in the methods of this class.
+    """Real game with requests as from a person at the window. Its time advances only in the methods of this class.
 
     Args:
         study: study to play; its paths are absolute.
@@ -77,11 +77,11 @@ class PicturedHunt:
             self.model.robots(self.now)
 
     def ask(self, request: Request) -> None:
-        """Send a request to the robots, as a researcher can."""
+        """Send a request to the robots, as a researcher's window does."""
         self._session.ask("watch", request)
 
     def until(self, holds: Callable[[Screen], bool]) -> None:
-        """Advance the game until a condition is true. Raise RuntimeError if it never is."""
+        """Advance the game until a condition is true. Raise RuntimeError after `LIMIT` seconds."""
         for _ in range(round(LIMIT / TICK)):
             if holds(self.screen):
                 return
@@ -90,7 +90,7 @@ class PicturedHunt:
         raise RuntimeError(f"the expected state was not reached; last events: {last}")
 
     def do(self, act: Act) -> None:
-        """Do an act that the window offers. Raise RuntimeError if the window does not offer it."""
+        """Do an act that the window offers. Raise RuntimeError if the window does not offer this act."""
         offered = offer(self.screen, act)
         if not isinstance(act, ConsiderRoom | PickName) and (offered is None or not offered.enabled):
             raise RuntimeError(f"the window does not offer {act}: {offered}")
@@ -129,11 +129,11 @@ class PicturedHunt:
         self.agree()
 
     def reached(self) -> None:
-        """Wait until a robot has reported what it senses in the room it reached."""
+        """Wait until a robot has reached a room and reported the properties that it senses."""
         self.until(lambda screen: bool(getattr(screen.popup, "facts", ())))
 
     def change_view(self, change: Callable[[View], View]) -> None:
-        """Change each later view of the game by this function."""
+        """Apply a function to the present view of the game and to each later view."""
         self.shade = lambda seen: change(seen) if isinstance(seen, View) else seen
         view = self.levels[View]
         self.model.receive(self.shade(view), self.now)

@@ -1,4 +1,4 @@
-"""Study with people, page by page as at the kiosk."""
+"""Pages of a study with people at the kiosk."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -154,7 +154,7 @@ STORIES = (
             "kiosk-game-instructions": "The instructions during a game (F1)",
             "kiosk-game-ended": "The time of a game is over",
             "kiosk-workload": "A questionnaire of visual analogue scales, not yet answered",
-            "kiosk-form": "A second page with all kinds of scales, half filled in, and the button back",
+            "kiosk-form": "A second page with all kinds of scales, partly filled in, and the button to go back",
             "kiosk-missing": "Missing answers are marked",
             "kiosk-instructions": "The instructions again (F1)",
             "kiosk-time-limit": "An item with a time limit",

@@ -12,7 +12,7 @@ class _Spoken:
 
 
 def speak(language: str) -> None:
-    """Draw all pictures in a language that comes with the project."""
+    """Set the language of all pictures; the language must come with the project."""
     _Spoken.language = language
 
 

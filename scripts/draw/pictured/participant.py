@@ -99,7 +99,7 @@ def before() -> Iterator[Shot]:
 
 
 def consent() -> Iterator[Shot]:
-    """Yield the text that a study has participants agree to."""
+    """Yield the consent text of a study."""
     with tempfile.TemporaryDirectory() as folder:
         text = Path(folder) / "consent.txt"
         text.write_text(CONSENT, encoding="utf-8")
@@ -108,7 +108,7 @@ def consent() -> Iterator[Shot]:
 
 
 def practice() -> Iterator[Shot]:
-    """Yield the practice game, with its strip of advice."""
+    """Yield the practice game, with advice above the map."""
     hunt = PicturedHunt(PRACTICE)
     hunt.send(SelectRoomAct(1))
     hunt.reached()
@@ -129,13 +129,13 @@ class RecordedLink(ParticipantLink):
         self._recorded = [ReceivedEvent(hunt.now, event) for event in (ServerReached(), *hunt.levels.values())]
 
     def start(self) -> None:
-        """Do nothing: it is not connected to anything."""
+        """Do nothing, because this link has no connection."""
 
     def stop(self) -> None:
-        """Do nothing: no thread is running."""
+        """Do nothing, because no thread is running."""
 
     def take_events(self) -> list[ReceivedEvent]:
-        """Do nothing: no thread is running."""
+        """Return all events at once."""
         events, self._recorded = self._recorded, []
         return events
 
@@ -179,7 +179,7 @@ def hunting() -> Iterator[Shot]:
 
 
 def _at_work(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
-    """Yield robot 1 that drives, and robot 2 that waits for it."""
+    """Yield a hunt in which robot 1 drives and robot 2 waits for robot 1."""
     for robot, room in ((1, 1), (0, 2)):
         hunt.do(ChooseRobot(robot))
         hunt.send(SelectRoomAct(room))
@@ -199,7 +199,7 @@ def _at_work(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
 
 
 def _waiting_for(seen: ParticipantUpdate) -> ParticipantUpdate:
-    """Let robot 2 wait for robot 1."""
+    """Return a message in which robot 2 waits for robot 1."""
     if not isinstance(seen, PoseTelemetry):
         return seen
     motions = list(seen.motions)
@@ -208,7 +208,7 @@ def _waiting_for(seen: ParticipantUpdate) -> ParticipantUpdate:
 
 
 def _queue(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
-    """Yield two robots that arrive while the third one asks a question; then robots with problems."""
+    """Yield two robots that arrive while the third robot asks a question; then robots with problems."""
     hunt.do(SelectRoomAct(5))
     yield shot("question-change", window)
     hunt.do(Cancel())
@@ -236,7 +236,7 @@ def _queue(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
 
 
 def _in_trouble(view: View) -> View:
-    """Change the view: one robot is lost, one has no energy left, one does not answer."""
+    """Return a view in which one robot is lost, one has no energy left, and one does not answer."""
     lost = with_robot(view, 0, condition=Condition.LOST, moving_to=None)
     spent = with_robot(lost, 1, energy=0.0, blocked=True, moving_to=None)
     return with_robot(spent, 2, condition=Condition.SILENT)
@@ -273,7 +273,7 @@ def sure() -> Iterator[Shot]:
 
 
 def commanded() -> Iterator[Shot]:
-    """Yield a ground station that takes a driving robot, is asked to give it back, and sends it on from its find."""
+    """Yield a game in which a ground station takes command of a driving robot, and sends the robot on from its room."""
     hunt = PicturedHunt(STANDARD)
     window = window_on(hunt.model, lambda: hunt.now)
     for robot, room in ((1, 1), (0, 8)):
@@ -345,7 +345,7 @@ def arguing() -> Iterator[Shot]:
 
 
 def _misfit(pop: object) -> str:
-    """Return a name with another color than that of the find."""
+    """Return a name with another color than the treasure's color."""
     if not isinstance(pop, TreasurePopup):
         raise TypeError("the window shows no treasure")
     colour = (pop.facts or ())[0].value
@@ -368,7 +368,7 @@ def crowd() -> Iterator[Shot]:
 
 
 def leaving() -> Iterator[Shot]:
-    """Yield the question on closing the window in the middle of a game."""
+    """Yield the question that appears when the window is closed in the middle of a game."""
     hunt = PicturedHunt(STANDARD)
     window = ParticipantMainWindow(unkept_preferences(), lambda _: None, lambda: hunt.now, language.texts())
     window.resize(*SIZE)
@@ -395,7 +395,7 @@ STORIES = (
         before,
     ),
     Story("Consent", {"consent": "Consent"}, consent),
-    Story("Practice", {"practice": "Practice game, with its advice above the map"}, practice),
+    Story("Practice", {"practice": "Practice game, with advice above the map"}, practice),
     Story(
         "A hunt",
         {
@@ -403,36 +403,36 @@ STORIES = (
             "thinking": "A room is selected; the robot thinks",
             "talk": "The robot asks",
             "treasure": "A treasure is sensed",
-            "picture": "After a picture, a name is picked",
+            "picture": "A picture was taken, and a name is chosen",
             "verdict": "A right name",
             "verdict-wrong": "A wrong name",
-            "playing": "Robot 1 drives, robot 2 waits for it, robot 3 rests; a visited room and two reserved ones",
+            "playing": "Robot 1 drives, robot 2 waits for it, robot 3 rests; one room is visited, two are reserved",
             "help": "Keys (F1)",
             "history": "The history is open",
             "question-change": "A driving robot gets another goal",
-            "queue": "Two robots wait while the third one asks",
+            "queue": "Two robots wait while the third robot asks a question",
             "lost-connection": "The connection is lost",
             "refused": "A request is refused with a reason",
-            "trouble": "A robot is lost, one has no energy left, one does not answer",
+            "trouble": "One robot is lost, one has no energy left, one does not answer",
             "question-end": "The question before a game is ended",
             "over": "The game is over",
         },
         hunting,
     ),
-    Story("Uncertainty of the robots", {"uncertainty": "A study that shows the belief and the truth"}, sure),
+    Story("Uncertainty of the robots", {"uncertainty": "A study that shows the believed and the true poses"}, sure),
     Story(
         "Robots under other commanders",
         {
             "commanded": "A ground station has taken robot 1, which is selected",
-            "commanded-asked": "The participant has asked for it back",
-            "commanded-sent-on": "The ground station sent it on; its find can still be named",
+            "commanded-asked": "The participant has asked to get robot 1 back",
+            "commanded-sent-on": "The ground station sent robot 1 on; the treasure that it found can still be named",
         },
         commanded,
     ),
     Story(
         "Treasures with other properties",
         {
-            "properties": "Two properties are seen; the weight costs energy to sense",
+            "properties": "Two properties are visible; sensing the weight costs energy",
             "properties-picture": "The weight was sensed; the participant reports the material from the picture",
         },
         properties,
@@ -441,14 +441,14 @@ STORIES = (
         "Robots that argue",
         {
             "argue": "The robot does not agree",
-            "argue-reasons": "It gives its reasons",
+            "argue-reasons": "The robot gives its reasons",
             "argue-questions": "Questions to the robot",
             "argue-two": "Robot 2 asks while robot 1 also waits for an answer",
             "argue-left": "A dialogue that ended without an agreement",
             "argue-agreed": "The robot does as agreed",
-            "argue-found": "A find, and the button to ask the robot about it",
-            "argue-name": "A name that does not match the find",
-            "argue-adviser": "The participant has the last word",
+            "argue-found": "A treasure, and the button to ask the robot about it",
+            "argue-name": "A name that does not match the treasure",
+            "argue-adviser": "The participant makes the final decision",
         },
         arguing,
     ),

@@ -45,7 +45,7 @@ REQUESTS: Mapping[int, Request] = {
 }
 """Requests to the robots of the recorded hunt, by tick."""
 ARGUED_MS = 250
-"""Milliseconds after which robot 1 has received a reason that does not convince it."""
+"""Milliseconds after which robot 1 has received a reason that does not convince the robot."""
 SPOKEN_FOR: Mapping[int, Request] = {
     0: WizardMode(0, on=True),
     1: WizardMode(1, on=True),
@@ -59,11 +59,11 @@ ARGUED = Study(seed=7, robots=2, dialogue=DialogueSection(condition=DialogueCond
 
 
 INSISTS = 5
-"""Number of turns after which the participant only repeats her wish."""
+"""Number of turns after which the participant only repeats their wish."""
 
 
 class _Doubter:
-    """Participant who wants the nearest rooms. If a robot prefers another room, she asks for its reasons."""
+    """Participant who wants the nearest rooms. If a robot prefers another room, the participant asks for reasons."""
 
     def __init__(self, setting: StudySetting) -> None:
         self._bot = build_bot(setting.templates, BotStrategy.NEAREST, setting.study.seed)
@@ -71,7 +71,7 @@ class _Doubter:
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
         """Return the next requests.
 
-        If several replies are possible, the second one is chosen, until she only repeats her wish.
+        If several replies are possible, choose the second reply in the first `INSISTS` turns.
         """
         doubted = {each.dialogue for each in view.dialogues if len(each.choices) > 2 and each.turn < INSISTS}
         return [
@@ -102,7 +102,7 @@ def play(listeners: Sequence[Listener], ticks: int, requests: Mapping[int, Reque
 
 
 def recorded() -> Iterator[Shot]:
-    """Yield half a minute of three robots; robot 3 has just been kidnapped."""
+    """Yield a recording of half a minute with three robots; robot 3 has just been kidnapped."""
     with tempfile.TemporaryDirectory() as folder:
         bag = Path(folder) / "hunt.bag"
         with build_writer(read_setting(STUDY, Path()), bag) as writer:
@@ -150,7 +150,7 @@ class _RecordedClient(WatchClient):
 
 
 class _Connection(session.WatchConnection):
-    """Connection to nothing: no thread, no network."""
+    """Connection without a thread and without a network."""
 
     def __init__(self, client: WatchClient) -> None:
         self.client = client
@@ -160,7 +160,7 @@ class _Connection(session.WatchConnection):
 
 
 class _MessageCollector:
-    """Collector of the messages of a session, as a watch client would receive them."""
+    """Collector of the messages of a session, in the form in which a watch client receives them."""
 
     def __init__(self) -> None:
         self.events: list[WatchEvent] = [WatchConnected()]
@@ -193,8 +193,7 @@ def live() -> Iterator[Shot]:
 
 
 def argued() -> Iterator[Shot]:
-    """Yield two robots that prefer other rooms than the participant; she has asked robot 1 for its reasons, and
-    insists."""
+    """Yield two robots that prefer other rooms than the participant, who has asked robot 1 for its reasons."""
     with tempfile.TemporaryDirectory() as folder:
         bag = Path(folder) / "hunt.bag"
         with build_writer(read_setting(ARGUED, Path()), bag) as writer:
@@ -245,7 +244,7 @@ STORIES = (
     ),
     Story(
         "The researcher: robots that argue",
-        {"recording-arguments": "Robot 1 disagrees with the participant's room, and has given its reason"},
+        {"recording-arguments": "Robot 1 disagrees with the room that the participant chose, and has given its reason"},
         argued,
     ),
     Story(

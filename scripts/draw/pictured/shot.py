@@ -22,7 +22,7 @@ def unkept_preferences() -> Preferences:
 
 
 def nothing(_palette: Palette) -> None:
-    """Do nothing; used for windows that need no change for the application's colors."""
+    """Do nothing; for windows that follow the application's palette."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class Shot:
     Attributes:
         name: name of the picture.
         window: window to grab.
-        wear: function that applies a palette to the window, in addition to that of the application.
-        over: dialog that is drawn over its middle.
+        wear: function that applies a palette to the window, in addition to the application's palette.
+        over: dialog that is drawn over the middle of the window.
         settled: function that returns True when the window's animations have stopped.
     """
 
@@ -51,7 +51,7 @@ class Story:
     Attributes:
         title: heading of these states.
         pictures: names of the pictures, in order, with a caption for each.
-        shots: generator of the states in this order.
+        shots: function that yields the states in this order.
     """
 
     title: str

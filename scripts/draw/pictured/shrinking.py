@@ -1,4 +1,4 @@
-"""Reduction of pictures of windows to small files: with few colors, but with all important ones."""
+"""Reduction of pictures of windows to small files, with few colors, but with all important colors."""
 
 import io
 
@@ -37,8 +37,8 @@ def shrunk(picture: Image.Image) -> bytes:
 def palette_of(colours: NDArray[np.float32], counts: NDArray[np.int64], number: int) -> list[int]:
     """Return the indices of the (n, 3) colors to keep.
 
-    Half of them are the most frequent ones, so that backgrounds stay the same. Then the color farthest from all kept
-    ones is added repeatedly, so that a rare but important color, such as a robot's, stays.
+    Half of them are the most frequent colors, so that backgrounds stay the same. Then the color that is farthest from
+    all kept colors is added, again and again. So rare but important colors, such as a robot's color, are kept.
     """
     kept = np.argsort(-counts, kind="stable")[: number // 2].tolist()
     frequent = counts >= counts.sum() / RARE

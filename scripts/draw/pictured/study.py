@@ -27,9 +27,9 @@ noise:
 
 
 def edited() -> Iterator[Shot]:
-    """Yield a small study file in the editor: a section, its noise, a fault, and the changes that saving would
-    write."""
-    # The window shows the folder, so use the same one each time.
+    """Yield a small study file in the editor: a section, the noise, a fault, and the changes that saving would write.
+    """
+    # The window shows the folder's path, so use the same folder each time.
     folder = Path(tempfile.gettempdir()) / "studies"
     folder.mkdir(exist_ok=True)
     file = folder / "pilot.yaml"
@@ -128,11 +128,11 @@ STORIES = (
         "The admin: a study file",
         {
             "study-section": "A section of the form",
-            "study-noise": "Noise, and its effect",
+            "study-noise": "Settings of the noise, and their effect",
             "study-search": "A search by the old ROS name of a setting",
             "study-list": "Maps to choose from, each with a preview",
-            "study-fault": "A fault, at its field and in the list",
-            "study-changes": "Changes that saving would make",
+            "study-fault": "A fault, shown at its field and in the list of faults",
+            "study-changes": "Changes that saving the file would make",
             "study-text": "The file as text",
         },
         edited,
@@ -142,8 +142,8 @@ STORIES = (
         {
             "templates-treasures": "Treasures as a sheet, with sentences and pictures",
             "templates-properties": "Properties as a sheet",
-            "templates-fault": "A fault, at its cell and in the list",
-            "templates-changes": "Changes that saving would make",
+            "templates-fault": "A fault, shown at its cell and in the list of faults",
+            "templates-changes": "Changes that saving the file would make",
         },
         templates,
     ),
