@@ -360,8 +360,8 @@ class PathLength:
 def path_lengths(grid: OccupancyGrid, places: list[Pose2]) -> dict[tuple[int, int], PathLength]:
     """Measure the shortest paths between all places. Paths go to the eight neighbors of a cell, and are straightened.
 
-    A path over a grid turns only by multiples of 45 degrees, and is up to 8 % too long. Therefore corners are removed if
-    a straight line can skip them.
+    A path over a grid turns only by multiples of 45 degrees, and is up to 8 % too long. Therefore corners are removed
+    if a straight line can skip them.
     """
     walls = np.pad(grid.cells != OCCUPIED, 1, constant_values=False)
     clearance = np.asarray(distance_transform_edt(walls))[1:-1, 1:-1] * grid.resolution
