@@ -16,12 +16,12 @@ from thbridge.ros.messages.types import SESSION
 
 GAP_PERIODS = 5.0
 GAP_NS = 1_000_000_000
-"""A gap is a time without messages. It is longer than `GAP_PERIODS` median periods, and longer than `GAP_NS`. Latched
+"""A gap is a time without messages that is longer than `GAP_PERIODS` median periods and longer than `GAP_NS`. Latched
 topics have no gaps, because their last message stays valid until the next."""
 REGULAR = 10
 REGULAR_SHARE = 0.5
-"""A topic can have gaps only if it has at least `REGULAR` messages, and if the number of messages times the median
-period is at least `REGULAR_SHARE` times their time span. This excludes topics that publish in bursts."""
+"""A topic can have gaps only if it has at least `REGULAR` messages. Also, the number of messages times the median period
+must be at least `REGULAR_SHARE` times the topic's time span. This excludes topics that publish in bursts."""
 
 
 @dataclass(frozen=True, slots=True)

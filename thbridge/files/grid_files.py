@@ -149,8 +149,8 @@ def read_grid_file(map_yaml: Path) -> GridFile:
         opaque = interpret_image(pixels[..., :3], entry.negate == 1, entry.occupied_thresh, entry.free_thresh)
         if (differing := float((cells != opaque).mean())) > 0.0:
             problem = (
-                "the image has an alpha channel (transparency), which map_server and Nav2 average with its colors, so "
-                f"{100.0 * differing:.0f} % of the cells differ from what the colors show"
+                "the image has an alpha channel (transparency). map_server and Nav2 average it with the colors, so "
+                f"{100.0 * differing:.0f} % of the cells differ from the colors shown"
             )
             doubts.append(loaded.fault("image", problem, "Save the image without an alpha channel"))
     whole = replace(loaded, doubts=(*doubts, *loaded.doubts))

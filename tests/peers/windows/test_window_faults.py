@@ -130,10 +130,10 @@ def test_robots_and_treasures_may_go_and_come_back(hunt: dict[str, Program], scr
     room, _ = sent(player)
     for name in ("simr", "hider"):
         hunt[name].kill()
-    player.until("it to be told", lambda seen: seen.named("There is no news of the robots"))
+    player.until("it to be told", lambda seen: seen.named("There is no news from the robots"))
     for name in ("simr", "hider"):
         hunt[name] = hunt[name].again()
-    player.until("news of them", lambda seen: not seen.named("There is no news of the robots"))
+    player.until("news of them", lambda seen: not seen.named("There is no news from the robots"))
     decided(player, room)
 
 

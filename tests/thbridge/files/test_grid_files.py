@@ -132,7 +132,7 @@ def test_an_alpha_channel_that_changes_cells_is_told(folder: Path, form: str, mo
     assert len(alpha) == told
     if told:
         assert (file.grid.cells == FREE).all()
-        assert "average with its colors, so 100 % of the cells differ from what the colors show. Save" in str(alpha[0])
+        assert "average it with the colors, so 100 % of the cells differ from the colors shown. Save" in str(alpha[0])
 
 
 def test_an_alpha_channel_that_changes_nothing_is_not_told(folder: Path) -> None:

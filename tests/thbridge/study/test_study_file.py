@@ -197,11 +197,11 @@ BROKEN = {
     ),
     "a tab": ("game:\n\tenergy: 5\n", "study.yaml, line 2: a tab in the indentation. Indent with blanks."),
     "an open bracket": ("game: {energy: 5\nrobots: 3\n", "study.yaml, line 2: not YAML:"),
-    "an anchor": ("game: &a {}\nserver: *a\n", "study.yaml, line 1, a: an anchor or alias (& or *)."),
-    "a tag": ("map: !!python/name:os.system\n", "study.yaml, line 1, tag:yaml.org,2002:python/name:os.system: a tag"),
+    "an anchor": ("game: &a {}\nserver: *a\n", "study.yaml, line 1, a: anchors and aliases (& and *) are not allowed"),
+    "a tag": ("map: !!python/name:os.system\n", "study.yaml, line 1, tag:yaml.org,2002:python/name:os.system: tags"),
     "two documents": ("seed: 1\n---\nseed: 2\n", "study.yaml, line 2, ---: a second document begins."),
-    "brackets without end": ("[" * 10000, "study.yaml, line 1: nested deeper than 32."),
-    "a control character": ("seed: 1\nmap: \x07\n", "study.yaml, line 2: an invisible control character. Delete it."),
+    "brackets without end": ("[" * 10000, "study.yaml, line 1: nested deeper than 32 levels."),
+    "a control character": ("seed: 1\nmap: \x07\n", "line 2: this line has an invisible control character. Delete it."),
     "no section at all": ("- 1\n- 2\n", "study.yaml, line 1: a section of 'key: value' lines is needed."),
     "a section as a key": ("? {a: 1}\n: 2\n", "study.yaml, line 1: a list or section is used as a key."),
     "sweeps between the ticks": (
@@ -448,7 +448,7 @@ def test_what_files_of_ros_leave_out_is_as_in_ros_and_told(tmp_path: Path) -> No
     robot = loaded.value.robot
     assert (robot.amcl.kld_err, robot.amcl.laser_sigma_hit, robot.amcl.max_particles) == (0.01, 0.05, 700)
     assert (robot.move_base.oscillation_timeout, robot.local_costmap.width) == (0.0, 10.0)
-    (of_amcl,) = [notice for notice in loaded.notices if notice.startswith("amcl: left out")]
+    (of_amcl,) = [notice for notice in loaded.notices if notice.startswith("amcl: parameters left out")]
     assert "kld_err 0.01 (0.05)" in of_amcl
     assert not [word for word in ("max_particles", "laser_sigma_hit", "kld_z") if word in of_amcl]
     assert robot.local_costmap.obstacle_layer.observation_sources == ()

@@ -115,7 +115,7 @@ class HeaderStampOffset:
             off = self._worst_ns[topic] / 1e9
             what = (
                 f"header stamps are up to {abs(off):.1f} s {'after' if off > 0 else 'before'} the time of recording, "
-                f"more than the {TF_CACHE:.0f} s that tf2 keeps transforms"
+                f"but tf2 keeps transforms only for {TF_CACHE:.0f} s"
             )
             remedy = "record with one clock: set `use_sim_time` for the recorder if the robots use it"
             tools = (BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)

@@ -153,7 +153,7 @@ def _tree_of(source: _Source) -> Node:
                     stack.append(node)
                     pending_keys.append(None)
                 if len(stack) > DEEPEST:
-                    raise BadFile(path, f"nested deeper than {DEEPEST}", "Remove brackets", line=node.line)
+                    raise BadFile(path, f"nested deeper than {DEEPEST} levels", "Remove brackets", line=node.line)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         problem = " ".join(part for part in (error.context, error.problem) if part)
@@ -164,7 +164,7 @@ def _tree_of(source: _Source) -> Node:
     except ReaderError as error:
         # The position is counted in bytes of UTF-8.
         line = text.encode()[: error.position].count(b"\n") + 1
-        raise BadFile(path, "an invisible control character", "Delete it", line=line) from None
+        raise BadFile(path, "this line has an invisible control character", "Delete it", line=line) from None
     except YAMLError as error:
         raise BadFile(path, f"not YAML: {error}", "Check the file") from None
     return root[0] if root else Section(1, [])
@@ -189,7 +189,7 @@ def _refuse_breaks(path: Path, text: str) -> None:
     """Refuse characters that end a line in YAML 1.1, but not in editors and in YAML 1.2."""
     if found := _BREAK.search(text):
         line = text.count("\n", 0, found.start()) + 1
-        raise BadFile(path, "an invisible line separator", "Delete it", line=line)
+        raise BadFile(path, "this line has an invisible line separator", "Delete it", line=line)
 
 
 def _refuse_odd_blanks(path: Path, text: str) -> None:
@@ -227,7 +227,7 @@ class _Anchors:
         """Return the node of an alias. Raises BadFile if the anchor does not exist, or the document gets too large."""
         line, name = event.start_mark.line + 1, str(event.anchor)
         if name not in self._nodes:
-            raise BadFile(self._path, "an alias (*) without an anchor", "Write the value out", line=line, key=name)
+            raise BadFile(self._path, "this alias (*) has no anchor", "Write the value itself", line=line, key=name)
         node, size = self._nodes[name]
         self._count += size
         if self._count > LARGEST_TREE:
@@ -244,13 +244,13 @@ class _Anchors:
 def _node(path: Path, event: NodeEvent, ros: bool) -> Node:
     line = event.start_mark.line + 1
     if not ros and (isinstance(event, AliasEvent) or event.anchor is not None):
-        raise BadFile(
-            path, "an anchor or alias (& or *)", "Write the value out, or quote it", line=line, key=str(event.anchor)
-        )
+        problem = "anchors and aliases (& and *) are not allowed here"
+        raise BadFile(path, problem, "Write the value itself, or quote it", line=line, key=str(event.anchor))
     if not isinstance(event, (ScalarEvent, MappingStartEvent, SequenceStartEvent)):
         raise TypeError(f"an event of YAML that is not a node: {event!r}")
     if event.tag is not None and not (ros and isinstance(event, ScalarEvent)):
-        raise BadFile(path, "a tag (!)", "Write the plain value, or quote it", line=line, key=str(event.tag))
+        problem = "tags (!) are not allowed here"
+        raise BadFile(path, problem, "Write the plain value, or quote it", line=line, key=str(event.tag))
     start = event.start_mark.index
     if isinstance(event, ScalarEvent):
         tag = None if event.tag is None else str(event.tag)

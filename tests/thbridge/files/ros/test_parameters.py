@@ -239,7 +239,7 @@ def test_aliases_of_aliases_come_to_an_end(tmp_path: Path) -> None:
 
 
 def test_an_alias_within_its_own_anchor(tmp_path: Path) -> None:
-    assert "/0.yaml, line 1, a: an alias (*) without an anchor" in fault(tmp_path, "amcl: &a {kld_err: *a}")
+    assert "/0.yaml, line 1, a: this alias (*) has no anchor" in fault(tmp_path, "amcl: &a {kld_err: *a}")
 
 
 def test_a_name_that_stands_twice_has_its_last_value(tmp_path: Path) -> None:

@@ -157,7 +157,7 @@ def test_a_bag_that_is_being_written_says_so_and_what_to_do(tmp_path: Path) -> N
 def test_a_bag_without_index_says_what_to_do(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     ChunkFile(path).close()
-    with pytest.raises(BadFile, match=r"has no index.*thbridge bag reindex"):
+    with pytest.raises(BadFile, match=r"index is missing.*thbridge bag reindex"):
         opened(path)
 
 
