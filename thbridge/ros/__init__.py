@@ -1,1 +1,1 @@
-"""The team and the game as ROS 1 messages: names, frames, message types and bytes. No installation of ROS is needed."""
+"""Team and game as ROS 1 messages: names, frames, message types and bytes. No installation of ROS is needed."""

@@ -1,16 +1,16 @@
-"""The action server move_base of one robot, for its clients. It has the list of all goals with their states.
+"""Action server move_base of one robot. It stores a list of all goals with their states for its clients.
 
-Clients set and cancel goals; the game is one of these clients. The newest goal wins. The server is called twice per
-tick: `take` turns the requests of clients into inputs of the navigator, and `follow` reads the actions of the navigator
-and returns the messages to publish. The same requests and the same navigation give the same messages. So the program
-that moves the robot and the program that records it may each have their own server.
+Clients set and cancel goals. The game is one of these clients. A newer goal replaces an older goal. The server is
+called twice per tick: `take` converts the requests of clients to inputs of the navigator. `follow` reads the actions of
+the navigator and returns the messages to publish. The same requests and the same navigation give the same messages. So
+the program that moves the robot and the program that records may each have a server.
 
 Source: actionlib, action_server.py, simple_action_server.py and server_goal_handle.py; ros-planning/navigation,
 move_base.cpp.
-Differs: there are no threads; within a tick, requests are read first, then the newest goal is accepted. A goal of the
+Differs: there are no threads. In each tick, all requests are read before the newest goal is accepted. A goal of the
 game is active with any time stamp, because the navigator has accepted it. A simple goal (a pose without an id) gets its
-id before it is published, so that its result can be found. While a robot is dead, its server is dead too; active goals
-end when the robot is revived. The list of ended goals has a limit, even if clients set very many goals.
+id before it is published, so that its result can be found. While a robot is dead, its server is dead, too. Active goals
+end when the robot is revived. The number of ended goals in the list is limited, even if clients set very many goals.
 """
 
 from collections.abc import Iterable
@@ -29,13 +29,14 @@ from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import RobotNames
 
 STATUS_PERIOD = TICKS_PER_SECOND // 5
-"""Ticks between two status lists when no goal changes: actionlib_status_frequency."""
+"""Ticks between two status lists if no goal changes. ROS's parameter for this is actionlib_status_frequency."""
 FEEDBACK_PERIOD = TICKS_PER_SECOND // 10
 """Ticks between two feedback messages."""
 LISTED_NS = 5_000_000_000
-"""Nanoseconds for which a goal stays in the status list after its end: status_list_timeout."""
+"""Nanoseconds after its end for which a goal stays in the status list. ROS's parameter for this is
+status_list_timeout."""
 LISTED = 64
-"""Largest number of ended goals in the status list, which is published at every change of a goal."""
+"""Maximum number of ended goals in the status list. The list is published at every change of a goal."""
 
 ActionRequest: TypeAlias = GoalRequest | CancelRequest | SimpleGoal
 
@@ -47,7 +48,7 @@ _DIED = "the robot stopped working"
 
 @dataclass(frozen=True, slots=True)
 class GoalSet:
-    """A goal that was not set by a client of the action: a goal of the game, or a simple goal."""
+    """Goal that no client of the action has set: a goal of the game, or a simple goal."""
 
     goal: GoalId
     base_in_map: Pose2
@@ -55,14 +56,14 @@ class GoalSet:
 
 @dataclass(frozen=True, slots=True)
 class StatusList:
-    """States of all goals, including those that ended recently."""
+    """States of all goals, including recently ended goals."""
 
     entries: tuple[GoalStatus, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Feedback:
-    """Progress of the goal to which the base is driving; it is sent with the robot's pose."""
+    """Progress of the goal to which the robot is driving. The message also contains the robot's pose."""
 
     entry: GoalStatus
 
@@ -79,16 +80,16 @@ ActionServerMessage: TypeAlias = GoalSet | StatusList | Feedback | GoalEnded
 
 @dataclass(slots=True, eq=False)
 class _Entry:
-    """One goal in the list.
+    """Goal in the list.
 
     Attributes:
         goal: its id and time stamp.
         status: its state.
         text: reason for this state, for people.
-        target: the navigator's goal; None if the pose cannot be used.
+        target: the navigator's goal. None if the pose cannot be used.
         refusal: reason why the pose cannot be used.
-        came: True if the goal itself was received. Its cancel request may arrive before the goal.
-        left_ns: time of its end; None before its end. After its end, it stays in the list for `LISTED_NS`.
+        came: True if the goal itself was received. A cancel request may arrive before its goal.
+        left_ns: time of its end. None before its end. After its end, it stays in the list for `LISTED_NS`.
     """
 
     goal: GoalId
@@ -108,7 +109,7 @@ class _Entry:
 
 
 class MoveBaseServer:
-    """One robot's action server.
+    """Action server of one robot.
 
     Args:
         robot: its index in the team.
@@ -129,14 +130,14 @@ class MoveBaseServer:
         self._outgoing: list[ActionServerMessage] = []
 
     def take(self, tick: int, requests: Iterable[ActionRequest]) -> list[SendGoal | CancelGoal]:
-        """Read the requests of clients, before the robots' tick.
+        """Process the requests of clients before the robots' tick.
 
         Args:
             tick: tick in which the robot's navigator executes the returned inputs.
             requests: requests to this robot, in their order.
 
         Returns:
-            Inputs of the navigator; empty for a dead robot.
+            Inputs of the navigator. A dead robot has no inputs.
         """
         if self._dead:
             return []
@@ -163,7 +164,7 @@ class MoveBaseServer:
 
         Args:
             tick: the number of the tick.
-            navigation: the navigator's output of this tick; None if the robot is dead.
+            navigation: the navigator's output of this tick. None if the robot is dead.
         """
         if navigation is None:
             self._dead = True
@@ -189,7 +190,7 @@ class MoveBaseServer:
     def _receive_goal(self, goal: GoalId, target: Goal | None, refusal: str) -> None:
         known = next((entry for entry in self._listed if entry.goal.id == goal.id), None)
         if known is not None:
-            # A goal with an earlier cancel request ends at once; a known goal that arrives again is ignored.
+            # A goal that was cancelled before it arrived ends at once. A known goal that arrives again is ignored.
             if known.status is GoalStatusCode.RECALLING:
                 self._end(known, GoalStatusCode.RECALLED, known.text)
             elif not known.came:
@@ -198,7 +199,7 @@ class MoveBaseServer:
         named = GoalId(goal.id or self._new_name(), goal.stamp_ns or self._now)
         entry = _Entry(named, GoalStatusCode.PENDING, target=target, refusal=refusal)
         self._listed.append(entry)
-        # A goal without a time stamp is never too old. The client's stamp decides here, not the stamp that the server
+        # A goal without a time stamp is never too old. So the client's stamp is compared, not the stamp that the server
         # fills in.
         if 0 < goal.stamp_ns <= self._last_cancel_ns:
             self._end(entry, GoalStatusCode.RECALLED, _TAKEN_BACK)
@@ -211,6 +212,7 @@ class MoveBaseServer:
             self._next = entry
 
     def _receive_cancel(self, cancelled: GoalId) -> None:
+        # In actionlib, an empty id with time 0 cancels all goals, and a time cancels all goals up to this time.
         everything = not cancelled.id and cancelled.stamp_ns == 0
         found = False
         for entry in self._listed:
@@ -247,7 +249,7 @@ class MoveBaseServer:
                 self._cancelled = current
                 return [CancelGoal(self._robot)]
             return []
-        # A new goal preempts the current one. If it cannot be driven to, the robot must stop anyway, because
+        # A new goal preempts the current goal. Even if the robot cannot drive to the new goal, it must stop, because
         # the earlier goal has ended.
         drives = current is not None and current.is_active
         self._replace_current(entry)
@@ -272,10 +274,10 @@ class MoveBaseServer:
         known = [entry for entry in self._listed if entry.target == result.goal]
         entry = next((entry for entry in known if entry.is_active), None)
         if entry is None and not known:
-            entry = self._adopt(result.goal)  # set and ended within one tick
+            entry = self._adopt(result.goal)  # The goal was set and ended within one tick.
         self._driven = None
         if entry is None:
-            return  # its end is already published
+            return  # The end of the goal is already published.
         match result:
             case GoalReached():
                 self._end(entry, GoalStatusCode.SUCCEEDED, "Goal reached.")
@@ -287,7 +289,7 @@ class MoveBaseServer:
                 assert_never(result)
 
     def _adopt(self, goal: Goal) -> _Entry | None:
-        """Add a goal that the navigator accepted from the game; None if it is a known goal of a client."""
+        """Add a goal that the navigator has accepted from the game. Return None if it is a known goal of a client."""
         if any(entry.target == goal and entry.is_active for entry in self._listed):
             return None
         named = GoalId(f"{self._names.namespace[1:]}-{recorded_number(goal.owner, goal.id)}", self._now)

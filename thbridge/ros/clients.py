@@ -1,6 +1,7 @@
-"""Messages of ROS clients to robots, decoded: pose estimates, goals, velocities, plan requests.
+"""Decoders of ROS clients' messages to robots: pose estimates, goals, velocities, plan requests.
 
-Messages of clients may be invalid: any bytes give a value or an `InvalidMessage` with a sentence for the client's log.
+Messages of clients may be invalid. The result of any bytes is a value, or an `InvalidMessage` with a sentence for the
+log.
 """
 
 import functools
@@ -23,18 +24,18 @@ from thbridge.ros.names import MAP_FRAME, frame_name
 T = TypeVar("T")
 
 _GOAL_ID_LENGTH = 512
-"""actionlib's goal ids consist of node, number and time; every status list repeats them."""
+"""Maximum length of a goal id. actionlib's ids consist of node, number and time. Every status list repeats the ids."""
 _PLANAR = np.ix_((0, 1, 5), (0, 1, 5))
 """Indices of x, y and yaw among x, y, z, roll, pitch, yaw."""
 FARTHEST = 1e6
-"""Largest coordinate in meters: no map is that large, and squares of larger numbers lose precision."""
+"""Maximum coordinate in meters. No map is so large, and squares of larger numbers lose precision."""
 _FLAT = elementary.cos(math.radians(10.0))
-"""Cosine of the largest tilt of a goal: move_base also treats a few degrees as noise, and a larger tilt as an error."""
+"""Cosine of the maximum tilt of a goal. move_base also treats a few degrees as noise, and a larger tilt as an error."""
 
 
 @dataclass(frozen=True, slots=True)
 class InvalidMessage:
-    """A message that cannot be used, and the reason."""
+    """Message that cannot be used. `sentence` is the reason."""
 
     sentence: str
 
@@ -49,7 +50,7 @@ class PoseEstimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapRequest:
-    """nav_msgs/SetMap: a map, and the robot's pose in it."""
+    """Request of nav_msgs/SetMap: a map, and the robot's pose on it."""
 
     grid: OccupancyGrid
     estimate: PoseEstimate
@@ -57,7 +58,7 @@ class MapRequest:
 
 @dataclass(frozen=True, slots=True)
 class LoggerLevel:
-    """roscpp/SetLoggerLevel: a logger's name and its new level, a word."""
+    """Request of roscpp/SetLoggerLevel: a logger's name, and its new level as a word."""
 
     logger: str
     level: str
@@ -65,7 +66,7 @@ class LoggerLevel:
 
 @dataclass(frozen=True, slots=True)
 class ActionGoal:
-    """A goal with the id and time stamp of its client; `pose` is invalid if the goal cannot be driven to."""
+    """Goal with the id and time stamp of its client. `pose` is an `InvalidMessage` if the pose cannot be used."""
 
     goal_id: str
     stamp_ns: int
@@ -74,7 +75,7 @@ class ActionGoal:
 
 @dataclass(frozen=True, slots=True)
 class ActionCancel:
-    """Goals to cancel: the goal with this id, and all goals up to this time; all goals if both are empty."""
+    """Goals to cancel: the goal with this id, and all goals up to this time. If both are empty, cancel all goals."""
 
     goal_id: str
     stamp_ns: int
@@ -82,7 +83,7 @@ class ActionCancel:
 
 @dataclass(frozen=True, slots=True)
 class PlanRequest:
-    """nav_msgs/GetPlan: start (None for the robot's own pose), goal, and tolerance around the goal in meters."""
+    """Request of nav_msgs/GetPlan: start (None for the robot's own pose), goal, tolerance around the goal in meters."""
 
     start: Pose2 | None
     goal: Pose2
@@ -90,7 +91,7 @@ class PlanRequest:
 
 
 def _decoder(decode: Callable[[Cursor], T | InvalidMessage]) -> Callable[[bytes], T | InvalidMessage]:
-    """Return a decoder of bytes; bytes that are not a message of this type give an `InvalidMessage`."""
+    """Return a decoder of bytes. For bytes that are not a message of this type, it returns an `InvalidMessage`."""
 
     @functools.wraps(decode)
     def of_bytes(data: bytes) -> T | InvalidMessage:
@@ -128,10 +129,10 @@ def _pose_estimate(cursor: Cursor) -> PoseEstimate | InvalidMessage:
 
 
 def is_covariance(matrix: FloatArray) -> bool:
-    """Return True if a (3, 3) matrix is a covariance of a pose: positive semi-definite, and not too large."""
+    """Return True if a (3, 3) matrix is a covariance of a pose, which is positive semi-definite and not too large."""
     if matrix.shape != (3, 3) or not bool((np.abs(matrix) <= FARTHEST * FARTHEST).all()):
         return False
-    # With slightly more than the rounding error added to the diagonal, all leading minors must be positive (Sylvester).
+    # Add slightly more than the rounding error to the diagonal. Then all leading minors must be positive (Sylvester).
     more = 1e-9 * max(1.0, float(np.trace(matrix)))
     (xx, xy, xa), (_, yy, ya), (_, _, aa) = (0.5 * (matrix + matrix.T) + more * np.eye(3)).tolist()
     plane = xx * yy - xy * xy
@@ -164,7 +165,7 @@ def action_cancel(cursor: Cursor) -> ActionCancel | InvalidMessage:
 
 @_decoder
 def velocity(cursor: Cursor) -> Twist | InvalidMessage:
-    """Decode geometry_msgs/Twist; a robot with two wheels uses only linear x and angular z."""
+    """Decode geometry_msgs/Twist. A robot with two wheels uses only linear x and angular z."""
     six = cursor.reals(6)
     if not np.isfinite(six).all():
         return InvalidMessage("it is not finite")
@@ -179,7 +180,7 @@ def logger_level(cursor: Cursor) -> LoggerLevel | InvalidMessage:
 
 @_decoder
 def plan_request(cursor: Cursor) -> PlanRequest | InvalidMessage:
-    """Return the request of nav_msgs/GetPlan; a start without a frame means the robot's own pose, as in move_base."""
+    """Return the request of nav_msgs/GetPlan. A start without a frame means the robot's own pose, as in move_base."""
     _, start_frame = cursor.header()
     start: Pose2 | InvalidMessage | None = None
     if start_frame:

@@ -1,4 +1,4 @@
-"""Time stamps of a recording that jump because a clock was set, and single wrong time stamps."""
+"""Jumps of a recording's time stamps because a clock was set, and single wrong time stamps."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 CLOCK_STEP_NS = 1_000_000_000
-"""Smallest change that counts as a change of the clock. Smaller changes come from reordered or delayed messages."""
+"""Minimum change that counts as a change of the clock. Reordered or delayed messages cause smaller changes."""
 
 
 class Stamped(Protocol):
-    """An object with a time stamp and a time of recording, nanoseconds."""
+    """Object with a time stamp and a time of recording, nanoseconds."""
 
     @property
     def stamp_ns(self) -> int:
@@ -28,11 +28,11 @@ Message = TypeVar("Message", bound=Stamped)
 
 @dataclass(slots=True)
 class ClockRun(Generic[Message]):
-    """Messages between two changes of their clock, in the order of recording.
+    """Messages between two changes of a clock, in the order of recording.
 
     Attributes:
         messages: the messages, at least one.
-        changed_ns: change of the clock before the first message, positive if set ahead; 0 for the first run.
+        changed_ns: change of the clock before the first message, positive if it was set ahead. 0 for the first run.
     """
 
     messages: list[Message]
@@ -45,10 +45,10 @@ class ClockRun(Generic[Message]):
         self._latest_ns, self._ahead_ns = first.stamp_ns, first.stamp_ns - first.received_ns
 
     def continues_with(self, message: Message) -> bool:
-        """Return True if a message can have been stamped by the clock of this run.
+        """Return True if the time stamp of a message may come from the clock of this run.
 
-        A message is stamped before it is recorded, so a time stamp can be ahead of the time of recording only by a
-        limited time.
+        A message gets its time stamp before it is recorded. So a time stamp can be ahead of the time of recording only
+        by a limited time.
         """
         back = message.stamp_ns < self._latest_ns - CLOCK_STEP_NS
         return not back and message.stamp_ns - message.received_ns <= self._ahead_ns + CLOCK_STEP_NS
@@ -61,14 +61,15 @@ class ClockRun(Generic[Message]):
 
 
 def split_by_clock(messages: Iterable[Message]) -> tuple[list[ClockRun[Message]], list[Message]]:
-    """Return the runs of a clock, and the messages with time stamps that fit neither the run before nor the run after.
+    """Return the runs of a clock, and the messages whose time stamps fit neither the earlier nor the later run.
 
     Args:
         messages: messages in the order of recording.
     """
     runs: list[ClockRun[Message]] = []
     odd: list[Message] = []
-    waiting: ClockRun[Message] | None = None  # a message that does not fit, until the next message shows which is wrong
+    # A message that does not fit the run. The next message shows whether its time stamp is wrong or the clock was set.
+    waiting: ClockRun[Message] | None = None
     for message in messages:
         if not runs:
             runs.append(ClockRun([message]))
@@ -103,12 +104,15 @@ class StampedIndex(NamedTuple):
 def stamps_by_clock(
     stamps: NDArray[np.int64], received: NDArray[np.int64]
 ) -> tuple[list[tuple[NDArray[np.int64], int]], NDArray[np.int64]]:
-    """Return the indices of each run of a clock with the change before it, and of wrong stamps; see `split_by_clock`.
+    """Return the indices of each run of a clock with the change before it, and the indices of wrong stamps.
+
+    See `split_by_clock`.
 
     Args:
         stamps: (n,) nanoseconds, in the order of recording.
         received: (n,) times of recording.
     """
+    # Most recordings have no change of the clock. Arrays check this faster than `split_by_clock`.
     ahead = stamps - received
     back = stamps[1:] < np.maximum.accumulate(stamps)[:-1] - CLOCK_STEP_NS
     if not (back | (ahead[1:] > np.maximum.accumulate(ahead)[:-1] + CLOCK_STEP_NS)).any():

@@ -1,4 +1,4 @@
-"""Log and diagnostics of a team: a line for each event that people should know, and the state of each part."""
+"""Log and diagnostics of a team: a log line for each event that people should know, and the state of each part."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -16,9 +16,9 @@ from thbridge.ros.messages.records import CancelRequest, GoalRequest, LogLevel, 
 from thbridge.ros.names import CALLER, MAKES_WAY_FOR, NAVIGATION, RobotNames
 
 SPREAD = 0.5
-"""Standard deviation of the position above which a robot is unsure, meters."""
+"""Standard deviation of the position in meters above which a robot counts as unsure."""
 LOW_CHARGE = 0.2
-"""Fraction of the energy below which a robot gets a warning."""
+"""Fraction of the energy below which there is a warning."""
 
 _ENDS = {
     GoalStatusCode.SUCCEEDED: (LogLevel.INFO, "was reached"),
@@ -41,7 +41,8 @@ class RobotDiagnostics:
         robot: its index in the team.
 
     Attributes:
-        changed: True if the robot began or stopped to make way in the last tick; its diagnostics are then sent at once.
+        changed: True if the robot began or stopped to make way for another robot in the last tick. Then its diagnostics
+            are sent at once.
     """
 
     def __init__(self, robot: int) -> None:
@@ -81,13 +82,13 @@ class RobotDiagnostics:
         yield from self._way_made(snapshot.tick, None if dead else output.navigation.makes_way_for)
         if dead:
             return
-        # Extrapolated output exists only for robots that know where they are, so this has not changed since the last
+        # Only robots that know where they are have extrapolated output. So this state has not changed since the last
         # tick.
         if not isinstance(output, PropagatedOutput) and output.estimate.lost != self._lost:
             self._lost = output.estimate.lost
             text = "the robot does not know where it is" if self._lost else "the robot knows where it is"
             yield LogLine(LogLevel.WARN if self._lost else LogLevel.INFO, self._localiser, text)
-        # Extrapolated output exists only for robots with a working localizer, so there is no fault.
+        # Only robots with a working localizer have extrapolated output. So there is no fault.
         fault = "" if isinstance(output, PropagatedOutput) else output.estimate.fault
         if fault and fault != self._fault:
             yield LogLine(LogLevel.ERROR, self._localiser, fault)
@@ -115,7 +116,7 @@ class RobotDiagnostics:
             yield LogLine(LogLevel.INFO, self._navigator, f"makes way for {robot_name(robot)}")
 
     def log_request(self, request: ActionRequest) -> Iterator[LogLine]:
-        """Yield a line for a client's request; nothing for a dead robot, which does not receive it."""
+        """Yield a line for a client's request. Yield nothing for a dead robot, which does not receive requests."""
         match request:
             case GoalRequest(_, goal_id, _, Pose2() as base) if not self._dead:
                 yield LogLine(

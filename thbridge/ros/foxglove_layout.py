@@ -1,6 +1,6 @@
 """Foxglove layout that shows a whole team: map, robots, scans, particle clouds, costmaps, plans, plots, log.
 
-Source: layouts exported by Foxglove; it has defaults for everything that is omitted here.
+Source: layouts that Foxglove has exported. Foxglove has defaults for all settings that are omitted here.
 """
 
 import json
@@ -19,7 +19,7 @@ Value: TypeAlias = "bool | int | float | str | Sequence[Value] | Mapping[str, Va
 Section: TypeAlias = dict[str, Value]
 
 _SCENE, _ERRORS, _ENERGY, _LOG = "3D!team", "Plot!errors", "Plot!energy", "RosOut!log"
-"""Panels: their type in Foxglove, and our name."""
+"""Panels: type in Foxglove, and our name."""
 _SHARE_OF_SCENE = 0.9
 """Fraction of the scene that the map fills."""
 _ASPECT = 1.2
@@ -30,8 +30,8 @@ def foxglove_layout(software: Sequence[RobotParameters], grid: OccupancyGrid) ->
     """Return the layout file for a team on this map, seen from above.
 
     Args:
-        software: parameters of each robot; the planners in them name the topics of its plans.
-        grid: the map, which determines center and distance of the view.
+        software: parameters of each robot. The topics of a robot's plans contain the names of its planners.
+        grid: the map. It determines the center and the distance of the view.
     """
     team = [RobotNames.of(number) for number in range(len(software))]
     topics = [RobotTopics(robot, Planners.of(own)) for robot, own in zip(team, software, strict=True)]
@@ -76,7 +76,7 @@ def _scene(team: Sequence[RobotNames], topics: Sequence[RobotTopics], grid: Occu
     }
     for index, of in enumerate(topics):
         shown |= dict(_of_robot(of, _hex(index)))
-    # Only one frame of each robot is shown: more axes would hide the map.
+    # Only one frame of each robot is shown, because more axes would hide the map.
     axes = {robot.base_link for robot in team}
     frames = {
         frame for robot in team for frame in (robot.odom, robot.base_footprint, robot.base_link, robot.base_laser)
@@ -121,12 +121,12 @@ def _plot(title: str, lines: Sequence[Section]) -> Section:
 
 
 def _hex(robot: int) -> str:
-    """Return a robot's color as Foxglove writes it."""
+    """Return a robot's color in Foxglove's form."""
     return "#" + "".join(f"{int(part):02x}" for part in colour_of(robot).split("; "))
 
 
 def _from_above(grid: OccupancyGrid) -> Section:
-    """Return the camera above the middle of the map, with a view as high as `distance`, meters."""
+    """Return the camera above the middle of the map. The height of the view is `distance`, meters."""
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     middle = grid.origin.compose(Pose2(width / 2, height / 2, 0.0))
     return {

@@ -1,4 +1,4 @@
-"""The tree of frames in tf messages, with the three-dimensional pose of each child in its parent."""
+"""Tree of the frames in tf messages, with the three-dimensional pose of each child frame in its parent frame."""
 
 import math
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ def matrix(transform: SpatialTransform) -> FloatArray:
     """Return the (4, 4) homogeneous transform from the child's coordinates to the parent's."""
     x, y, z, w = transform.orientation
     norm = math.sqrt(x * x + y * y + z * z + w * w)
-    # Drivers that leave the quaternion all zero mean no rotation.
+    # Some drivers send a quaternion of zeros, and mean no rotation.
     x, y, z, w = (x / norm, y / norm, z / norm, w / norm) if norm > 0.0 else (0.0, 0.0, 0.0, 1.0)
     whole = np.eye(4)
     whole[:3, :3] = (
@@ -30,9 +30,9 @@ def matrix(transform: SpatialTransform) -> FloatArray:
 
 
 class FrameTree:
-    """Frames, each with its first received transform; names have no leading slash.
+    """Tree of frames, each with its first received transform. Names have no leading slash.
 
-    Later transforms of the same frame are ignored; amcl also looks up the pose of a laser once and keeps it.
+    Later transforms of the same frame are ignored, because amcl also looks up the pose of a laser only once.
     """
 
     def __init__(self) -> None:
@@ -47,21 +47,22 @@ class FrameTree:
         return True
 
     def edges(self) -> list[tuple[str, str]]:
-        """Return every (parent, child)."""
+        """Return all pairs (parent, child)."""
         return [(parent, child) for child, (parent, _) in self._above.items()]
 
     def chain(self, frame: str) -> list[str]:
-        """Return the frame and its ancestors, nearest first."""
+        """Return the frame and its ancestors, the nearest first."""
         chain = [frame_name(frame)]
         while chain[-1] in self._above:
             parent = self._above[chain[-1]][0]
+            # A faulty recording may contain a loop of frames.
             if parent in chain:
                 break
             chain.append(parent)
         return chain
 
     def pose(self, frame: str, reference: str) -> FloatArray | None:
-        """Return the (4, 4) pose of a frame in a reference frame, through a common ancestor; None if there is none."""
+        """Return the (4, 4) pose of a frame in a reference frame, or None if they have no common ancestor."""
         up, down = self.chain(frame), self.chain(reference)
         common = next((name for name in up if name in down), None)
         if common is None:
@@ -78,7 +79,7 @@ class FrameTree:
 
 
 def _product(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return the (4, 4) product, added up in a fixed order, because NumPy's own order may vary."""
+    """Return the (4, 4) product. Terms are added in a fixed order, because the order in NumPy's product may vary."""
     product: FloatArray = (a[:, :, np.newaxis] * b[np.newaxis]).sum(axis=1)
     return product
 
@@ -98,7 +99,7 @@ class PlanarMount:
     Attributes:
         laser_in_base: pose of the laser in the base frame, seen from above.
         upside_down: True if its z axis points to the ground, so that its beams turn clockwise.
-        tilt: angle between its plane and the base's, radians in [0, pi/2].
+        tilt: angle between its plane and the plane of the base, radians in [0, pi/2].
     """
 
     laser_in_base: Pose2
@@ -107,7 +108,7 @@ class PlanarMount:
 
     @classmethod
     def of(cls, pose: FloatArray) -> "PlanarMount":
-        """Return the mounting for a (4, 4) pose of the laser in the base frame."""
+        """Return the mounting of a laser from its (4, 4) pose in the base frame."""
         yaw = elementary.atan2(pose[1, 0], pose[0, 0])
         upward = float(pose[2, 2])
         return cls(

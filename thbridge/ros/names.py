@@ -1,4 +1,4 @@
-"""Names in ROS: namespaces and frames of robots, topics of the whole team."""
+"""Names in ROS: namespaces and frames of robots, topics of the team."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ from sim.common.robot_numbers import namespace_of
 
 MAP_FRAME = "map"
 CALLER = "/thbridge"
-"""Name of thbridge's node, the only publisher in bags and on a live graph."""
+"""Name of thbridge's node. It is the only publisher in bags and on a live graph."""
 
 TF = "/tf"
 TF_STATIC = "/tf_static"
@@ -27,10 +27,10 @@ THINGS = "/things"
 ROSOUT = "/rosout"
 DIAGNOSTICS = "/diagnostics"
 NAVIGATION, MAKES_WAY_FOR = "navigation", "makes way for"
-"""The part in /diagnostics that drives a robot, and the key in it for the robot that it makes way for."""
+"""Name of the part in /diagnostics that drives a robot, and key for the other robot for which it makes way."""
 CLOCK = "/clock"
 GRAPH_LINK = "ros"
-"""Name of the MAVLink link of ROS clients, who use the topic mavlink/to."""
+"""Name of the MAVLink link of ROS clients, which use the topic mavlink/to."""
 STATIC_MAP = "/static_map"
 """Name of a service."""
 USE_SIM_TIME = "/use_sim_time"
@@ -38,16 +38,16 @@ USE_SIM_TIME = "/use_sim_time"
 
 
 def frame_name(name: str) -> str:
-    """Return a frame's name without the leading slash, which old tf wrote and tf2 forbids."""
+    """Return a frame's name without a leading slash. The old tf wrote this slash, and tf2 forbids it."""
     return name.lstrip("/")
 
 
 @dataclass(frozen=True, slots=True)
 class RobotNames:
-    """Namespace, frames and topics of one robot; frames have no leading slash (tf2 forbids it).
+    """Namespace, frames and topics of one robot. Frames have no leading slash, because tf2 forbids it.
 
     Attributes:
-        namespace: namespace, "/robot1" for the first robot.
+        namespace: namespace, such as "/robot1" for the first robot.
     """
 
     namespace: str
@@ -58,11 +58,11 @@ class RobotNames:
         return cls(f"/{namespace_of(robot)}")
 
     def frame(self, name: str) -> str:
-        """Return this robot's frame `name`; "odom" gives "robot1/odom"."""
+        """Return this robot's frame `name`, such as "robot1/odom" for "odom"."""
         return f"{self.namespace[1:]}/{name}"
 
     def topic(self, name: str) -> str:
-        """Return this robot's topic `name`; "scan" gives "/robot1/scan"."""
+        """Return this robot's topic `name`, such as "/robot1/scan" for "scan"."""
         return f"{self.namespace}/{name}"
 
     @property
@@ -72,7 +72,7 @@ class RobotNames:
 
     @property
     def base_footprint(self) -> str:
-        """Frame of the base, on the ground."""
+        """Frame of the base at the height of the ground."""
         return self.frame("base_footprint")
 
     @property

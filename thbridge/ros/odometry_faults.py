@@ -1,11 +1,11 @@
-"""Odometry that cannot be true: outliers, resets of its origin, changes of its clock.
+"""Faults of odometry: outliers, resets of its origin, changes of its clock.
 
 A robot cannot jump. The speeds around a message in the recording show how far the robot can have driven since the
-previous message. A larger distance is not motion. If the next messages return to the poses before, the message was an
-outlier. If they continue from the new pose, the odometry was reset, and only its increments are used from then on.
+previous message. A larger distance is not motion. If the next messages return to the earlier poses, the message was an
+outlier. If they continue from the new pose, the odometry was reset. Then only its increments are used from that time.
 
-Source: Hampel, The influence curve and its role in robust estimation (1974), for limits by median and median absolute
-deviation: they are valid while less than half of the surrounding values are wrong.
+Source of the limits by median and median absolute deviation: Hampel, The influence curve and its role in robust
+estimation (1974). They are valid while less than half of the surrounding values are wrong.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -26,23 +26,23 @@ from thbridge.ros.clock_changes import ClockRun, Message, stamps_by_clock
 from thbridge.ros.messages.plausible import LARGEST
 
 WINDOW = 51
-"""Number of steps between messages that determine the usual speed: the 25 before and the 25 after."""
+"""Number of steps between messages that determine the usual speed: a step, 25 steps before and 25 steps after it."""
 TOGETHER = 8192
-"""Number of steps with medians computed together, to limit memory."""
+"""Number of steps whose medians are computed together. The limit saves memory."""
 DEVIATIONS = 10.0
-"""Largest possible speed of a robot, as a number of median absolute deviations above the median speed."""
+"""Maximum possible speed of a robot, as a number of median absolute deviations above the median speed."""
 LEAST_ABOVE_USUAL = (2.0, 3.0)
-"""Speeds above the median, m/s and rad/s, that are always possible, because a standing robot may start."""
+"""Excess over the median speed, m/s and rad/s, that is always possible, because a standing robot may start."""
 FASTEST = (50.0, 50.0)
 """Speeds in m/s and rad/s that no robot exceeds, even if most surrounding values are wrong."""
 RETURN_NS = 1_000_000_000
-"""Time within which odometry returns from outliers."""
+"""Maximum time after which odometry returns from outliers."""
 LEAST_MESSAGES = 3
-"""Number of consecutive messages that must continue after a jump for it to be more than an outlier."""
+"""Minimum number of consecutive messages after a jump. If there are fewer, the jump is an outlier."""
 AT_ORIGIN = 0.5
-"""Largest distance from 0, in meters and radians, at which odometry counts as reset after a jump."""
+"""Maximum distance from 0, in meters and radians, at which odometry after a jump counts as reset."""
 MISSED = ((0.05, 0.03), (1.0, 0.5))
-"""Smallest and largest standard deviations, in meters and radians, of the unseen motion during a reset."""
+"""Minimum and maximum standard deviations, in meters and radians, of the unseen motion during a reset."""
 
 
 class FaultKind(StrEnum):
@@ -58,7 +58,7 @@ class FaultKind(StrEnum):
 
 
 class OdometrySample(NamedTuple):
-    """One odometry message: time of recording, its own time stamp, pose of the base in odom."""
+    """Odometry message: time of recording, its own time stamp, pose of the base in odom."""
 
     received_ns: int
     stamp_ns: int
@@ -67,15 +67,15 @@ class OdometrySample(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class RecordedFault:
-    """A fault of a recorded message.
+    """Fault of a recorded message.
 
     Attributes:
-        kind: its kind.
+        kind: kind of the fault.
         received_ns: time of recording of the message.
-        stamp_ns: its own time stamp.
-        distance: meters from the previous message that can be true; 0 for faults of time stamps.
-        turn: radians from that message, not negative.
-        seconds: change of the clock, positive if set ahead; 0 for other faults.
+        stamp_ns: time stamp of the message.
+        distance: meters from the last valid message. 0 for faults of time stamps.
+        turn: radians from the last valid message, not negative.
+        seconds: change of the clock, positive if it was set ahead. 0 for other faults.
     """
 
     kind: FaultKind
@@ -87,7 +87,7 @@ class RecordedFault:
 
 
 class MissedMotion(NamedTuple):
-    """Motion that odometry does not report because of a reset: time of recording, standard deviations (m, rad)."""
+    """Motion that odometry does not report because of a reset: time of recording, standard deviations in m and rad."""
 
     received_ns: int
     distance: float
@@ -100,8 +100,8 @@ class OdometryRun:
 
     Attributes:
         received_ns: time of recording of its first message.
-        stamps: (n,) int64 nanoseconds, strictly increasing; n is at least 1.
-        poses: (n, 3) poses of the base in odom as it was at the start; jumps of its origin are removed.
+        stamps: (n,) int64 nanoseconds, strictly increasing. n is at least 1.
+        poses: (n, 3) poses of the base in the odom frame of the start. Jumps of the origin are removed.
     """
 
     received_ns: int
@@ -116,11 +116,10 @@ class SoundOdometry:
     Attributes:
         runs: runs in the order of recording.
         faults: all faults, in the order of recording.
-        missed: motions that it does not report.
-        kept: (n,) indices of the valid samples among all samples, run by run in the order of their time stamps.
+        missed: motions that the odometry does not report.
+        kept: (n,) indices of the valid samples among all samples, for each run in the order of time stamps.
         outliers: (o,) indices of the outliers.
-        cuts: (k,) positions in `kept`. From each position on, poses have another origin, or time stamps of a changed
-            clock.
+        cuts: (k,) positions in `kept`. From each position on, poses have another origin, or the clock was changed.
     """
 
     runs: tuple[OdometryRun, ...]
@@ -132,20 +131,20 @@ class SoundOdometry:
 
 
 MOST_EXAMPLES = 5
-"""Largest number of faults of a kind that a sentence describes one by one."""
+"""Maximum number of faults of a kind that a sentence lists."""
 _WORDS = {
-    FaultKind.NOT_FINITE: "left out, since they are not finite or too large",
-    FaultKind.OUTLIER: "left out as outliers, since the robot cannot have driven there",
-    FaultKind.WRONG_STAMP: "with a stamp that does not fit the others",
-    FaultKind.RESET: "resets to 0, after which only increments are used",
-    FaultKind.JUMP: "jumps of the origin, after which only increments are used",
+    FaultKind.NOT_FINITE: "messages left out because their values are not finite or too large",
+    FaultKind.OUTLIER: "messages left out as outliers, because the robot cannot have driven there",
+    FaultKind.WRONG_STAMP: "messages with a time stamp that does not fit the others",
+    FaultKind.RESET: "resets to 0; from then on, only increments are used",
+    FaultKind.JUMP: "jumps of the origin; from then on, only increments are used",
     FaultKind.CLOCK_BACK: "clock set back",
     FaultKind.CLOCK_AHEAD: "clock set ahead",
 }
 
 
 def fault_sentences(topic: str, faults: Iterable[RecordedFault], begin_ns: int) -> Iterator[str]:
-    """Yield a sentence for each kind of fault: number, times (seconds after the beginning), and sizes.
+    """Yield a sentence for each kind of fault, with number, times in seconds after the beginning, and sizes.
 
     Args:
         topic: name of the topic, or its frames in tf.
@@ -166,7 +165,7 @@ def _example(fault: RecordedFault, begin_ns: int) -> str:
     when = f"after {(fault.received_ns - begin_ns) / 1e9:.2f} s"
     match fault.kind:
         case FaultKind.OUTLIER | FaultKind.RESET | FaultKind.JUMP:
-            return f"{when}, {fault.distance:.1f} m and {fault.turn:.2f} rad off"
+            return f"{when}, by {fault.distance:.1f} m and {fault.turn:.2f} rad"
         case FaultKind.CLOCK_BACK | FaultKind.CLOCK_AHEAD:
             return f"{when}, by {abs(fault.seconds):.1f} s"
         case _:
@@ -174,11 +173,11 @@ def _example(fault: RecordedFault, begin_ns: int) -> str:
 
 
 def sound_odometry(samples: Iterable[OdometrySample], max_speed: float | None) -> SoundOdometry:
-    """Remove odometry that cannot be true, and join the parts before and after resets.
+    """Remove odometry that cannot be true, and join the odometry before and after each reset.
 
     Args:
         samples: samples in the order of recording.
-        max_speed: largest possible speed of the robot in m/s. If None, the speeds around each message determine it.
+        max_speed: maximum speed of the robot in m/s. If None, the speeds around each message determine it.
     """
     samples = list(samples)
     received = np.array([sample.received_ns for sample in samples], dtype=np.int64)
@@ -190,15 +189,15 @@ def sound_odometry(samples: Iterable[OdometrySample], max_speed: float | None) -
 def sound_poses(
     received: NDArray[np.int64], stamps: NDArray[np.int64], poses: FloatArray, max_speed: float | None = None
 ) -> SoundOdometry:
-    """Remove poses that cannot be true, and join the parts before and after resets.
+    """Remove poses that cannot be true, and join the poses before and after each reset.
 
     Args:
-        received: (n,) times of recording, nanoseconds, in their order.
+        received: (n,) times of recording, nanoseconds, in increasing order.
         stamps: (n,) time stamps.
         poses: (n, 3) poses of the base.
-        max_speed: as for `sound_odometry`.
+        max_speed: see `sound_odometry`.
     """
-    plausible = (np.abs(poses) <= LARGEST).all(axis=1)  # False for NaN
+    plausible = (np.abs(poses) <= LARGEST).all(axis=1)  # NaN gives False.
     finite = np.flatnonzero(plausible)
 
     def faults_of(kind: FaultKind, indices: NDArray[np.int64]) -> Iterator[RecordedFault]:
@@ -235,14 +234,14 @@ def _clock_fault(received_ns: int, stamp_ns: int, changed_ns: int) -> RecordedFa
 
 
 class _Piece(NamedTuple):
-    """Samples from `begin` to `end` (excluded), between which the robot can have driven."""
+    """Samples from `begin` to `end` (excluded). The robot can have driven from each of these samples to the next."""
 
     begin: int
     end: int
 
 
 class _Judge:
-    """Search for outliers and resets among the samples of all runs of a clock, one run after the other.
+    """Search for outliers and resets among the samples of all runs of a clock, in the order of the runs.
 
     Attributes:
         faults: outliers, resets and jumps, after `judge`.
@@ -270,13 +269,13 @@ class _Judge:
         self.missed: list[MissedMotion] = []
 
     def _measure(self, max_speed: float | None) -> None:
-        """Compute the usual period, and speed and limit of each step to the next sample.
+        """Compute the usual period, and the speed and the limit of each step to the next sample.
 
-        Cut at steps that are too long.
+        Cut the samples into pieces at steps that are too long.
         """
         same = np.diff(self._run_of) == 0
         seconds = np.maximum(np.where(same, np.diff(self._stamps), np.diff(self._received)) / 1e9, 0.0)
-        # The mean is used, because messages may arrive in bursts; gaps of the recording are excluded.
+        # The mean is used, because messages may arrive in bursts. Gaps of the recording are excluded.
         usual = seconds[seconds <= RETURN_NS / 1e9]
         self._period = float(usual.mean()) if len(usual) else 0.0
         steps = np.diff(self._poses, axis=0)
@@ -293,7 +292,7 @@ class _Judge:
         self._pieces = [_Piece(*ends) for ends in pairwise([0, *cuts.tolist(), len(self._index)])]
 
     def _seconds(self, before: int, after: int) -> float:
-        """Return the time between two samples, by the time of recording if the clock was changed."""
+        """Return the time between two samples. If the clock was changed between them, use the times of recording."""
         times = self._stamps if self._run_of[before] == self._run_of[after] else self._received
         return max(0.0, float(times[after] - times[before]) / 1e9)
 
@@ -301,12 +300,12 @@ class _Judge:
         return Pose2(*self._poses[i].tolist())
 
     def _moved(self, before: int, after: int) -> tuple[float, float]:
-        """Return the distance from one sample to another in meters and radians, not negative."""
+        """Return the distances between two samples in meters and radians, not negative."""
         one, other = self._pose(before), self._pose(after)
         return one.distance(other), abs(wrap_angle(other.theta - one.theta))
 
     def _effort(self, before: int, after: int) -> float:
-        """Return the motion between two samples as a fraction of the possible motion; stamps may be off by a period."""
+        """Return the motion between two samples as a fraction of the possible motion in this time plus one period."""
         seconds = max(self._seconds(before, after) + self._period, 1e-9)
         distance, turn = self._moved(before, after)
         most, most_turn = (self._limits[after - 1] * seconds).tolist()
@@ -316,7 +315,7 @@ class _Judge:
         return self._effort(before, after) <= 1.0
 
     def judge(self) -> None:
-        """Process the pieces: keep, remove or join them."""
+        """Process the pieces. Each piece is kept, removed, or joined to the earlier ones."""
         last, correction = None, IDENTITY
         pieces = self._pieces
         number = 0
@@ -344,10 +343,9 @@ class _Judge:
             number += 1
 
     def _return_within(self, piece: _Piece, last: int) -> int:
-        """Return the first sample of a piece that is nearer to the last valid one than to the start of the piece.
+        """Return the first sample of a piece that is nearer to the last valid sample than to the start of the piece.
 
-        The step into an outlier may be just too long for a robot, while the step out of it may be possible; see
-        `_return`.
+        The step to an outlier may be slightly too long for a robot, although the step back is possible; see `_return`.
         """
         for later in range(piece.begin + 1, min(piece.begin + LEAST_MESSAGES, piece.end)):
             if self._effort(last, later) < min(1.0, self._effort(piece.begin, later)):
@@ -355,7 +353,7 @@ class _Judge:
         return piece.begin
 
     def _return(self, number: int, last: int) -> int:
-        """Return the number of the piece that soon returns to the last valid sample, or the given number."""
+        """Return the number of the piece that soon returns to the last valid sample. Without one, return `number`."""
         for later in range(number + 1, len(self._pieces)):
             begin = self._pieces[later].begin
             if self._seconds(last, begin) * 1e9 > RETURN_NS:
@@ -371,7 +369,7 @@ class _Judge:
                 self._outliers.append(i)
 
     def _reset(self, last: int, begin: int, correction: Pose2) -> Pose2:
-        """Record a jump of the odometry's origin; return the pose of the new origin in the first one."""
+        """Record a jump of the odometry's origin. Return the pose of the new origin in the first origin."""
         x, y, theta = np.abs(self._poses[begin]).tolist()
         kind = FaultKind.RESET if max(x, y, theta) <= AT_ORIGIN else FaultKind.JUMP
         self.faults.append(self._fault(kind, begin, last))
@@ -387,7 +385,7 @@ class _Judge:
         return RecordedFault(kind, int(self._received[i]), int(self._stamps[i]), *self._moved(sound, i))
 
     def sound(self) -> Iterator[OdometryRun]:
-        """Yield the valid odometry of each run of the clock that has valid odometry."""
+        """Yield the valid odometry of each run of the clock. Runs without valid odometry are skipped."""
         for number, begins in enumerate(self._begins):
             parts = [(piece, to) for piece, to in self._corrections if self._run_of[piece.begin] == number]
             if parts:
@@ -408,7 +406,7 @@ class _Judge:
 
 
 def _moving_median(values: FloatArray) -> FloatArray:
-    """Return (n, 2) medians of the values around each value; the first and last medians are repeated at the ends."""
+    """Return (n, 2) medians of the values around each value. At the ends, the first or last value is repeated."""
     medians = np.empty_like(values)
     if len(values):
         padded = np.pad(values, ((WINDOW // 2, WINDOW // 2), (0, 0)), mode="edge")
@@ -420,7 +418,7 @@ def _moving_median(values: FloatArray) -> FloatArray:
 
 
 def _moved_by(correction: Pose2, poses: FloatArray) -> FloatArray:
-    """Return (n, 3) poses seen from another origin; for the first origin, the same object."""
+    """Return (n, 3) poses relative to the first origin. If it is also their own origin, return the same object."""
     if correction == IDENTITY:
         return poses
     headings = [wrap_angle(correction.theta + theta) for theta in poses[:, 2].tolist()]

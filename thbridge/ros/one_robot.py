@@ -31,31 +31,32 @@ from thbridge.ros.names import MAP_FRAME, RobotNames
 from thbridge.ros.topics import Planners, RobotTopics, RosMessage, Topic
 
 COMMAND_PERIOD = 5
-"""Ticks after which an unchanged command is repeated while there is a goal: 10 Hz, because base drivers time out."""
+"""Ticks after which an unchanged command is repeated while there is a goal. This is 10 Hz, because base drivers stop
+without commands."""
 GLOBAL_FOOTPRINT_PERIOD = TICKS_PER_SECOND
 LOCAL_FOOTPRINT_PERIOD = TICKS_PER_SECOND // 5
-"""Ticks between two footprints; move_base publishes them with every update of a costmap."""
+"""Ticks between two footprints. move_base publishes a footprint at every update of a costmap."""
 
 SHARED_PERIODS = (FEEDBACK_PERIOD, STATUS_PERIOD, TICKS_PER_SECOND)
-"""Periods in ticks of messages that all robots send in the same ticks: feedback, status lists, batteries."""
+"""Periods, in ticks, of messages that all robots send in the same ticks: feedback, status lists, batteries."""
 
 UNMEASURED = 1e6
-"""Variance of z, roll and pitch, which a planar robot does not measure, as in ROS drivers."""
+"""Variance of z, roll and pitch, as in ROS drivers. A planar robot does not measure these."""
 
 ODOMETRY_COVARIANCE = pack.covariance(np.diag([1e-3, 1e-3, 1e-3]), UNMEASURED)
-"""Nominal constant covariances, as in drivers of real bases. Filters that fuse odometry (robot_pose_ekf,
-robot_localization) use its increments, and would distrust each increment if the covariance grew with the distance."""
+"""Constant covariance, as in drivers of real bases. Filters that fuse odometry (robot_pose_ekf, robot_localization) use
+its increments. If the covariance grew with the distance, they would distrust each increment."""
 
 
 class Motion(NamedTuple):
-    """Motions of all robots in one tick, each a list in the team's order.
+    """Motions of all robots in one tick. Each attribute is a list in the team's order.
 
     Attributes:
         truth: true poses and twists, as nav_msgs/Odometry.
         odometry: poses and twists measured by the wheels, as nav_msgs/Odometry.
         poses: x, y, theta of the true poses.
         commands: commands to the motors, m/s and rad/s.
-        charges: energy left.
+        charges: remaining energy.
     """
 
     truth: Sequence[bytes]
@@ -66,7 +67,7 @@ class Motion(NamedTuple):
 
 
 class RobotPublisher:
-    """Source of one robot's messages. It stores the last message of each kind that is published only after a change.
+    """Source of one robot's messages. For messages that are published only after a change, it stores the last content.
 
     Args:
         robot: its index in the team.
@@ -76,11 +77,11 @@ class RobotPublisher:
     Attributes:
         names: its namespace and frames.
         topics: all topics that it publishes.
-        odom_in_map: pose of its frame odom by its last estimate; None before the first.
-        map_to_odom: that transform without its head, packed; to be set together with `odom_in_map`.
-        map_to_base: frames of its true pose, packed.
-        odom_to_base: frames of its odometry, packed.
-        transform_bytes: length of head, frames and pose in a message of its odometry; these parts form its transform.
+        odom_in_map: pose of its frame odom by its last estimate. None before the first estimate.
+        map_to_odom: packed transform of `odom_in_map` without its head. Both must be set together.
+        map_to_base: packed frames of its true pose.
+        odom_to_base: packed frames of its odometry.
+        transform_bytes: length of head, frames and pose in an odometry message. These parts are its transform.
     """
 
     def __init__(self, robot: int, scan_period: float, planners: Planners) -> None:
@@ -104,7 +105,7 @@ class RobotPublisher:
         self._local_plan: FloatArray = self._plan
 
     def received(self, stamp_ns: int, tick: int, request: ActionRequest) -> Iterator[RosMessage]:
-        """Yield the message of a client's request. Yield nothing if the request cannot be written as a message."""
+        """Yield the message of a client's request. Yield nothing if no message can contain the request."""
         match request:
             case GoalRequest(_, goal_id, goal_stamp_ns, Pose2() as base):
                 data = pack.move_base_goal(tick, GoalId(goal_id, goal_stamp_ns), MAP_FRAME, base)
@@ -121,15 +122,15 @@ class RobotPublisher:
     def goals(
         self, tick: int, requests: Sequence[ActionRequest], output: RobotOutput, dead: bool
     ) -> Sequence[ActionServerMessage]:
-        """Return the action server's messages of a tick, given the clients' requests in that tick."""
+        """Return the action server's messages of a tick. `requests` are the clients' requests in this tick."""
         self._server.take(tick, requests)
         return self._server.follow(tick, None if dead else output.navigation)
 
     def is_quiet(self, tick: int, motion: Motion, output: PropagatedOutput) -> bool:
-        """Return True if this output gives no messages except truth and odometry.
+        """Return True if this output only causes messages of truth and odometry.
 
-        This is the case between two periodic messages while the navigator continues as before. The caller checks what
-        robots share: `SHARED_PERIODS`, requests, and their true state.
+        This is the case between two periodic messages while the navigator continues as before. The caller checks the
+        conditions that are common to robots: `SHARED_PERIODS`, requests, and true states.
         """
         navigation = output.navigation
         return (
@@ -142,14 +143,14 @@ class RobotPublisher:
     def tick(
         self, tick: int, motion: Motion, base: bytes, output: RobotOutput, goals: Sequence[ActionServerMessage]
     ) -> Iterator[tuple[Topic, bytes]]:
-        """Yield the messages of a robot in one tick; it must not be dead.
+        """Yield the messages of a robot in one tick. The robot must not be dead.
 
-        Parts of an extrapolated output are computed on access, so they are accessed only if a message needs them.
+        Parts of an extrapolated output are computed on access. So they are only accessed if a message needs them.
 
         Args:
             tick: number of the tick.
             motion: motions of all robots.
-            base: the believed pose, as geometry_msgs/Pose; empty if no message contains it.
+            base: the believed pose, as geometry_msgs/Pose. Empty if no message contains it.
             output: output of its software.
             goals: messages of its action server.
         """
@@ -237,15 +238,15 @@ class RobotPublisher:
 
 
 def _moved(pose: Pose2, corners: FloatArray) -> list[tuple[float, float]]:
-    """Compute `Pose2.transform` of (v, 2) points, bit-identical; for few points, this loop is faster."""
+    """Return the result of `Pose2.transform` for (v, 2) points, bit for bit. For few points, this loop is faster."""
     c, s = elementary.cos_sin(pose.theta)
     return [(pose.x + c * x - s * y, pose.y + s * x + c * y) for x, y in corners.tolist()]
 
 
 def _is_rest(plan: FloatArray, last: FloatArray) -> bool:
-    """Return True if a plan equals the last one, or the rest of it from the current pose.
+    """Return True if a plan is equal to the last plan, or to the rest of the last plan from the current pose.
 
-    It is then not published again.
+    Then it is not published again.
     """
     if plan is last:
         return True
@@ -256,7 +257,7 @@ def _is_rest(plan: FloatArray, last: FloatArray) -> bool:
 
 
 def _equal(poses: FloatArray, others: FloatArray) -> bool:
-    """Return True if (n, 3) and (m, 3) poses are equal; most unequal arrays differ in the last pose."""
+    """Return True if (n, 3) and (m, 3) poses are equal. The last pose is compared first, because it usually differs."""
     if len(poses) != len(others):
         return False
     return not len(poses) or (poses[-1, 0] == others[-1, 0] and bool((poses == others).all()))

@@ -1,7 +1,7 @@
-"""The study's parameters under their names on ROS's parameter server.
+"""Names of the study's parameters on ROS's parameter server.
 
-Parameters of `amcl` are `/robot1/amcl/...`. Parameters of move_base and everything inside it (costmaps, planners) are
-`/robot1/move_base/...`. The rest of the study is `/thbridge/...`.
+Parameters of `amcl` are `/robot1/amcl/...`. Parameters of move_base, including its costmaps and planners, are
+`/robot1/move_base/...`. All other parameters of the study are `/thbridge/...`.
 """
 
 import dataclasses
@@ -31,7 +31,7 @@ _LAYERS = {
     "obstacle_layer": "costmap_2d::ObstacleLayer",
     "inflation_layer": "costmap_2d::InflationLayer",
 }
-"""Layers that ROS's costmaps also have, in their order, with the classes of their plugins."""
+"""Layers that ROS's costmaps also have, in ROS's order, with the classes of their plugins."""
 _RECOVERIES = {
     "conservative_reset": "clear_costmap_recovery/ClearCostmapRecovery",
     "rotate_recovery": "rotate_recovery/RotateRecovery",
@@ -41,22 +41,22 @@ _DRIVES_AHEAD: Mapping[str, Tree] = {
     "TrajectoryPlannerROS": {"holonomic_robot": False},
     "DWAPlannerROS": {"max_vel_y": 0.0, "min_vel_y": 0.0, "vy_samples": 1},
 }
-"""Parameters by which ROS's planners know that a robot cannot drive sideways; by default, they assume that it can."""
+"""Parameters for ROS's planners which mean that a robot cannot drive sideways. The defaults mean that it can."""
 _LOWEST = -1.0
-"""Smallest height of laser readings that count, meters above the base. It is negative, because rounding must not
-exclude the floor's plane."""
+"""Minimum height of used laser readings, meters above the base. It is negative, because rounding must not exclude the
+plane of the floor."""
 
 
 def robot_tree(software: RobotParameters, named: RobotNames, body: Sequence[Sequence[float]]) -> Tree:
-    """Return the parameters under a robot's namespace, as ROS's own amcl and move_base read them.
+    """Return the parameters in a robot's namespace, in the form that ROS's own amcl and move_base read.
 
-    In addition to the study's parameters, these are the frames, topics and plugins for real nodes that replace ours in
-    the robot's namespace.
+    In addition to the study's parameters, they contain frames, topics and plugins. Real nodes that replace our nodes
+    in the robot's namespace need these.
 
     Args:
         software: parameters of the robot.
-        named: its names.
-        body: corners of its true body, meters in its base frame, for costmaps without another footprint.
+        named: names of the robot.
+        body: corners of its true body, meters in its base frame. Costmaps without another footprint use them.
     """
     whole = tree_of(software)
     nodes: Tree = {name: cast(Tree, whole[name]) for name in NODES}
@@ -75,7 +75,7 @@ def robot_tree(software: RobotParameters, named: RobotNames, body: Sequence[Sequ
 
 
 def _costmap(own: Tree, named: RobotNames, body: Sequence[Sequence[float]], rolling: bool) -> Tree:
-    """Return a costmap's parameters as costmap_2d reads them."""
+    """Return a costmap's parameters in the form that costmap_2d reads."""
     tree: Tree = {
         **own,
         "plugins": [{"name": name, "type": kind} for name, kind in _LAYERS.items() if cast(Tree, own[name])["enabled"]],
@@ -93,7 +93,7 @@ def _costmap(own: Tree, named: RobotNames, body: Sequence[Sequence[float]], roll
         layer[source] = {**given, **seen}
     tree["obstacle_layer"] = layer
     if not tree["footprint"]:
-        # costmap_2d fails on an empty list for a footprint.
+        # costmap_2d fails if a footprint is an empty list.
         del tree["footprint"]
         if "robot_radius" not in tree:
             tree["footprint"] = [[float(x), float(y)] for x, y in body]
@@ -101,11 +101,11 @@ def _costmap(own: Tree, named: RobotNames, body: Sequence[Sequence[float]], roll
 
 
 def _navigator(own: Tree) -> Tree:
-    """Return move_base's own parameters, without the parameters of the parts inside it."""
+    """Return move_base's own parameters, without those of its costmaps and planners."""
     tree = dict(own)
     names = [cast(str, cast(Tree, each)["name"]) for each in cast("list[ParameterValue]", own["recovery_behaviors"])]
     if tuple(names) == DEFAULT_RECOVERY:
-        # move_base has these by default, and refuses a list with a repeated name.
+        # move_base has these behaviors by default, and refuses a list with a repeated name.
         del tree["recovery_behaviors"]
         return tree
     listed: list[ParameterValue] = []
@@ -117,7 +117,7 @@ def _navigator(own: Tree) -> Tree:
 
 
 def tree_of(section: "DataclassInstance") -> Tree:
-    """Return a section as a tree of parameters, without null values, because ROS's parameter server has no null."""
+    """Return a section as a tree of parameters. Null values are omitted, because ROS's parameter server has no null."""
     tree: Tree = {}
     listed = cast(str | None, getattr(type(section), "sections_named_in", None))
     for field in dataclasses.fields(section):
@@ -147,11 +147,11 @@ def _value(value: object) -> ParameterValue:
         return {str(key): _value(item) for key, item in cast(Mapping[object, object], value).items()}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return tree_of(value)
-    raise TypeError(f"no parameter can be made of {value!r}")
+    raise TypeError(f"{value!r} cannot be a parameter of ROS")
 
 
 def leaves(key: str, value: object) -> Iterator[tuple[str, object]]:
-    """Yield every single parameter at or below a key, with its full name."""
+    """Yield each parameter at or below a key, with its full name."""
     if not isinstance(value, dict):
         yield key, value
         return
@@ -160,7 +160,7 @@ def leaves(key: str, value: object) -> Iterator[tuple[str, object]]:
 
 
 def has(software: RobotParameters, path: str) -> bool:
-    """Return True if a path names a parameter; False if it names a section, or does not exist."""
+    """Return True if a path is that of a parameter. Return False if it is that of a section, or does not exist."""
     section: object = software
     for name in path.split("."):
         if not dataclasses.is_dataclass(section) or name not in {field.name for field in dataclasses.fields(section)}:
@@ -170,7 +170,7 @@ def has(software: RobotParameters, path: str) -> bool:
 
 
 def value_at(software: RobotParameters, path: str) -> "ParameterValue | None":
-    """Return the value of the parameter at a path ("amcl.min_particles"); None if it is null."""
+    """Return the value of the parameter at a path, such as "amcl.min_particles". Return None if it is null."""
     section: object = software
     for name in path.split("."):
         section = cast(object, getattr(section, name))
@@ -178,11 +178,13 @@ def value_at(software: RobotParameters, path: str) -> "ParameterValue | None":
 
 
 def path_of(robot: RobotNames, key: str) -> str | None:
-    """Return the path in `RobotParameters` ("amcl.min_particles") of a parameter of this robot; None for other keys.
+    """Return the path in `RobotParameters` of a parameter of this robot, such as "amcl.min_particles".
+
+    Return None for other keys.
 
     Args:
-        robot: the robot's names.
-        key: the parameter's full name, "/robot1/amcl/min_particles".
+        robot: names of the robot.
+        key: full name of the parameter, such as "/robot1/amcl/min_particles".
     """
     below = key.removeprefix(f"{robot.namespace}/")
     names = below.split("/")
@@ -194,7 +196,7 @@ def path_of(robot: RobotNames, key: str) -> str | None:
 
 
 def name_of(robot: RobotNames, path: str) -> str:
-    """Return the full name of a parameter: the inverse of `path_of`."""
+    """Return the full name of the parameter at a path. This is the inverse of `path_of`."""
     head = path.partition(".")[0]
     node = "" if head in (*NODES, MOVE_BASE) or "." not in path else f"{MOVE_BASE}/"
     return f"{robot.namespace}/{node}{path.replace('.', '/')}"

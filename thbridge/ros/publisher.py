@@ -1,4 +1,4 @@
-"""Messages of a session, tick by tick, in one order for bags and live graphs."""
+"""Messages of a session, tick by tick, in the same order for bags and live graphs."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -73,23 +73,23 @@ from thbridge.ros.topics import (
 __all__ = ["Planners", "RosMessage", "TeamPublisher", "Topic", "clock_message", "messages_of"]
 
 THINGS_PERIOD = 5
-"""Ticks between two messages about moving things: 10 Hz."""
+"""Ticks between two messages about moving things. This is 10 Hz."""
 DIAGNOSTICS_PERIOD = TICKS_PER_SECOND
 
 
 def clock_message(tick: int) -> RosMessage:
-    """Return the message of /clock for graphs in simulated time; in bags, `rosbag play` publishes its own clock."""
+    """Return the message of /clock for graphs in simulated time. Bags do not contain it: `rosbag play` publishes it."""
     return RosMessage(CLOCK, stamp_ns(tick), pack.clock(tick))
 
 
 class TeamPublisher:
-    """Converter of each tick of a team to the messages that its ROS nodes would publish.
+    """Converter of a team's ticks to the messages that its ROS nodes would publish.
 
     Args:
         robots: number of robots.
         mount: mounting of every robot's laser.
         scan_period: seconds between two scans of one robot.
-        planners: names of each robot's planners. If None, move_base's default planners.
+        planners: names of each robot's planners. If None, they are move_base's default planners.
         rooms: names of the map's rooms.
         vehicles: True if the robots are also MAVLink vehicles.
 
@@ -127,7 +127,7 @@ class TeamPublisher:
         return TEAM_TOPICS + own + tuple(topic for robot in self._vehicles for topic in robot.all())
 
     def opening(self, tick: int, session: SessionRecord, grid: OccupancyGrid) -> list[RosMessage]:
-        """Return the first messages, published once and latched: session, static transforms, map."""
+        """Return the first messages, which are latched and published once: session, static transforms, map."""
         stamp = stamp_ns(tick)
         static = [
             transform
@@ -148,7 +148,7 @@ class TeamPublisher:
         return messages
 
     def tick(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> list[RosMessage]:
-        """Return the messages of a tick: inputs from outside, then the robots in their order, then the other records.
+        """Return the messages of a tick: inputs from outside, the robots in their order, then the other records.
 
         Raises:
             ValueError: the team has another number of robots than this publisher.
@@ -191,7 +191,7 @@ class TeamPublisher:
         said += [(ROSOUT, pack.log(tick, line)) for line in lines]
         if changed:
             said.append((DIAGNOSTICS, pack.diagnostic_array(tick, self._diagnoses(snapshot))))
-        # The same as `RosMessage(...)`, but faster, because the Python code of its constructor does not run.
+        # This equals `RosMessage(...)`, but is faster, because it does not run the Python code of the constructor.
         messages += [tuple.__new__(RosMessage, (topic, stamp, data, False)) for topic, data in said]
         for record in records:
             if isinstance(record, VehicleRecord):
@@ -231,7 +231,7 @@ class TeamPublisher:
         )
 
     def _quiet(self, snapshot: TeamSnapshot, motion: Motion) -> frozenset[int]:
-        """Return the robots that send only truth and odometry in this tick, if no client has sent them a request."""
+        """Return the robots that send only truth and odometry in this tick. No client may have sent a request."""
         truth = motion.charges, snapshot.truth.collisions.tolist(), snapshot.dead
         before, self._truth = self._truth, truth
         if truth != before or not all(snapshot.tick % period for period in SHARED_PERIODS):
@@ -245,11 +245,11 @@ class TeamPublisher:
     def _localise(
         self, outputs: Sequence[RobotOutput], goals: Mapping[int, Sequence[ActionServerMessage]]
     ) -> dict[int, bytes]:
-        """Process new estimates, and return the believed poses as geometry_msgs/Pose by robot.
+        """Process new estimates, and return the believed poses, packed as geometry_msgs/Pose, by robot.
 
         Args:
             outputs: outputs of all robots.
-            goals: messages of the robots' action servers, for robots whose servers send messages.
+            goals: messages of the action servers, by robot. Robots that send only truth and odometry are omitted.
         """
         corrected: list[RobotPublisher] = []
         telling: list[int] = []
@@ -286,7 +286,7 @@ class TeamPublisher:
         return pack.stamped_transforms(entries)
 
     def _things(self, snapshot: TeamSnapshot) -> Iterator[tuple[Topic, bytes]]:
-        """Yield the outlines of all things, whenever one appeared, disappeared or moved."""
+        """Yield the outlines of all things if a thing has appeared, disappeared or moved."""
         bodies = snapshot.truth.bodies
         walks_only = len(bodies.circles) == len(self._bodies.circles)
         if bodies is self._bodies or (walks_only and snapshot.tick - self._bodies_tick < THINGS_PERIOD):
@@ -298,7 +298,7 @@ class TeamPublisher:
 
 
 def messages_of(stamp: int, tick: int, record: Record) -> Iterator[RosMessage]:
-    """Yield the message of a record; it follows the messages of the robots. `tick` is for the header."""
+    """Yield the message of a record. It is published after the messages of the robots. `tick` is for its header."""
     match record:
         case GameEvent():
             yield RosMessage(GAME_EVENTS, stamp, pack.game_event(tick, record))
@@ -319,10 +319,10 @@ def messages_of(stamp: int, tick: int, record: Record) -> Iterator[RosMessage]:
         case LogLine():
             yield RosMessage(ROSOUT, stamp, pack.log(tick, record))
         case InputRecord() | GoalRequest() | CancelRequest() | SimpleGoal() | InitialPose():
-            pass  # published before the robots' messages
+            pass  # It is published before the robots' messages.
         case VelocityCommand():
-            pass  # the motors' command is on cmd_vel
+            pass  # The topic cmd_vel has the motors' command.
         case VehicleFrame() | VehicleState():
-            pass  # on the robot's own topics
+            pass  # The robot's own topics have it.
         case _:
             assert_never(record)

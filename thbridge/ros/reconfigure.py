@@ -1,12 +1,12 @@
 """Messages of dynamic_reconfigure servers and their clients, for a robot's live parameters.
 
-In ROS, every node, costmap, layer and planner with such parameters is a server with its own name. Here, each section of
-`RobotParameters` with live parameters is a server. Descriptions come from the parameters' declarations.
+In ROS, each node, costmap, layer and planner with live parameters is a server with its own name. Here, each section of
+`RobotParameters` with live parameters is a server. Descriptions are from the parameters' declarations.
 
 Source: ros/dynamic_reconfigure, server.h, config_tools.h and encoding.py; its messages Config and ConfigDescription.
 
-Differs: all levels are 0, because no part has to be restarted; `restore_defaults` is missing. Parameters that accept
-one of a few words are enums, whereas ROS accepts any text.
+Differs: all levels are 0, because no part has to be restarted. `restore_defaults` is missing. A parameter that accepts
+only certain words is an enum, although ROS accepts any text.
 """
 
 import json
@@ -34,7 +34,7 @@ _KINDS: tuple[ParameterType, ...] = get_args(ParameterType)
 _FLOAT64 = Struct("<d")
 _GROUP = "Default"
 _GROUP_IDS = INT32.pack(0) * 2
-"""Ids of the group and of its parent: all parameters are in the default group."""
+"""Ids of the group and of its parent. All parameters are in the default group."""
 _GROUP_STATE = string(_GROUP) + UINT8.pack(True) + _GROUP_IDS
 _NO_LEVEL = UINT32.pack(0)
 
@@ -55,17 +55,17 @@ _NUMBERED: Mapping[str, Mapping[str, int]] = {
 
 @dataclass(frozen=True, slots=True)
 class DescribedParameter:
-    """One live parameter as dynamic_reconfigure describes it.
+    """Live parameter in the form of dynamic_reconfigure's descriptions.
 
     Attributes:
         name: its name within its section.
         path: its path in `RobotParameters`, such as "amcl.kld_err".
         kind: ROS's name of its type.
-        description: a sentence for people, with the unit.
-        edit_method: its choices, as the text of a Python dictionary that clients evaluate; empty if any value is
+        description: its meaning for people, with the unit.
+        edit_method: its choices, as the text of a Python dictionary, which clients evaluate. Empty if any value is
             allowed.
-        minimum: smallest value; empty for text.
-        maximum: largest value; empty for text.
+        minimum: minimum value. Empty for text.
+        maximum: maximum value. Empty for text.
         default: the default value.
     """
 
@@ -79,13 +79,13 @@ class DescribedParameter:
     default: Value
 
     def clamped(self, value: Value) -> Value:
-        """Return the nearest value within the bounds, as dynamic_reconfigure's servers do; NaN remains NaN."""
+        """Return the nearest value within the bounds, like dynamic_reconfigure's servers. NaN remains NaN."""
         if isinstance(value, str):
             return value
         return min(max(value, cast(float, self.minimum)), cast(float, self.maximum))
 
     def reported(self, software: RobotParameters) -> Value:
-        """Return its value in a robot's software. Null is given as 0, because messages have no null."""
+        """Return the value of the parameter in a robot's software. Null becomes 0, because messages have no null."""
         value = value_at(software, self.path)
         if self.kind == "double":
             return float(cast("float | None", value) or 0.0)
@@ -94,11 +94,11 @@ class DescribedParameter:
 
 @dataclass(frozen=True, slots=True)
 class ReconfigureServer:
-    """The live parameters of one server.
+    """Live parameters of one server.
 
     Attributes:
-        path: its path in `RobotParameters`: "amcl", "local_costmap.inflation_layer".
-        parameters: the parameters, in the order in which they are declared.
+        path: its path in `RobotParameters`, such as "amcl" or "local_costmap.inflation_layer".
+        parameters: the parameters in the order of their declarations.
     """
 
     path: str
@@ -190,7 +190,7 @@ def description(section: ReconfigureServer) -> bytes:
 
 
 def config(section: ReconfigureServer, software: RobotParameters) -> bytes:
-    """Encode dynamic_reconfigure/Config with the current values; also the response of Reconfigure."""
+    """Encode dynamic_reconfigure/Config with the current values. The response of Reconfigure is the same."""
     return values_config((each, each.reported(software)) for each in section.parameters)
 
 
@@ -217,9 +217,9 @@ _WRITE: Mapping[ParameterType, Callable[[Value], bytes]] = {
 def requested_changes(
     section: ReconfigureServer, software: RobotParameters, data: bytes
 ) -> tuple[tuple[str, Value], ...] | InvalidMessage:
-    """Return the changes in a request of dynamic_reconfigure/Reconfigure: values by their paths, within their bounds.
+    """Return the changes in a request of dynamic_reconfigure/Reconfigure: paths, and values within their bounds.
 
-    A value equal to the one in `config` is no change, because clients send all values back, including unchanged ones.
+    A value that is equal to the value in `config` is not a change, because clients send all values back.
 
 
     Args:
@@ -238,7 +238,7 @@ def requested_values(
 ) -> tuple[tuple[DescribedParameter, Value], ...] | InvalidMessage:
     """Return the values in a request of dynamic_reconfigure/Reconfigure, within their bounds.
 
-    As in ROS, unknown names, names with another type, and the states of groups are ignored.
+    As in ROS, these are ignored: unknown names, names with another type, and the states of groups.
     """
     try:
         given = _given(Cursor(data))
@@ -254,7 +254,7 @@ def requested_values(
 def _given(cursor: Cursor) -> Mapping[tuple[ParameterType, str], Value]:
     given: dict[tuple[ParameterType, str], Value] = {}
     for kind in _KINDS:
-        for _ in range(cursor.integer(UINT32)):  # a forged count ends soon, because each item needs some bytes
+        for _ in range(cursor.integer(UINT32)):  # A forged count ends soon: each item needs some bytes.
             name = cursor.string()
             given[kind, name] = _READ[kind](cursor)
     return given

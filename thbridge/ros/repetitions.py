@@ -1,4 +1,4 @@
-"""Repetitions that a recording omits: costmaps that have not changed."""
+"""Repetitions that a recording omits. These are costmaps that have not changed."""
 
 from collections.abc import Iterable
 
@@ -6,25 +6,25 @@ from thbridge.ros.messages import types
 from thbridge.ros.topics import RosMessage, Topic
 
 REPEAT_NS = 10_000_000_000
-"""Time after which an unchanged costmap is recorded again. This limits the wait when a recording is played from its
-middle."""
+"""Time after which an unchanged costmap is recorded again. If a recording is played from its middle, a player gets each
+costmap within this time."""
 
 _STAMP = 12
-"""Bytes of a header's seq and stamp."""
+"""Number of bytes of a header's seq and stamp."""
 _LOAD_TIME = 8
 
 
 class RepetitionFilter:
-    """Filter that removes costmaps equal to the last recorded one of their topic.
+    """Filter that removes a costmap if it is equal to the last recorded costmap of its topic.
 
-    Time stamps are ignored in the comparison. A removed costmap equals the one before, and a replay can produce it.
+    The comparison ignores time stamps. A replay can produce a removed costmap, because it is equal to the one before.
     """
 
     def __init__(self) -> None:
         self._recorded: dict[Topic, tuple[int, bytes]] = {}
 
     def __call__(self, messages: Iterable[RosMessage]) -> list[RosMessage]:
-        """Return the messages that are to be recorded; the given ones must be in order of time."""
+        """Return the messages that must be recorded. The given messages must be in the order of time."""
         return [each for each in messages if each.topic.msgtype != types.OCCUPANCY_GRID or self._is_new(each)]
 
     def _is_new(self, costmap: RosMessage) -> bool:

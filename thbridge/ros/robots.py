@@ -1,8 +1,8 @@
-"""Owner and purpose of topics and frames, guessed from names that robots commonly use.
+"""Owner and purpose of topics and frames. They are guessed from names that robots commonly use.
 
 Names differ: Stage has `/robot_0/base_scan`, TurtleBot `/odom`, robot_localization `/odometry/filtered`, a camera
-`/camera/odom/sample`. The type of a message determines its purpose. The prefix of its frame determines its robot;
-without a prefix, its namespace does, unless that is the name of a node.
+`/camera/odom/sample`. The type of a message determines its purpose. The prefix of its frame is its robot. Without
+a prefix, its namespace is its robot, unless this is the name of a node.
 """
 
 import re
@@ -13,7 +13,7 @@ from thbridge.ros.names import frame_name
 MAP_FRAMES = frozenset({"map", "world", "static_map"})
 """Last words of the frames of maps."""
 ODOM_FRAME = "odom"
-"""Start of the last word of odometry frames: odom, odom_combined."""
+"""Start of the last word of odometry frames, such as odom and odom_combined."""
 
 _OWN_TOPICS = frozenset(
     {
@@ -25,7 +25,7 @@ _OWN_TOPICS = frozenset(
 _NODES = re.compile(
     r"odom|pose|[eu]kf|filter|camera|slam|locali[sz]|base$|driver|controller|move_base|amcl|imu|gps|zed|t265|gazebo|ground"
 )
-"""Words in namespaces that name a node, not a robot."""
+"""Words in namespaces that are names of nodes, not of robots."""
 _TRUTH = re.compile(r"ground_?truth|(^|[/_])(gt|truth|mocap|vicon|vrpn\w*|optitrack)([/_]|$)")
 
 
@@ -45,17 +45,17 @@ def is_odom_frame(frame: str) -> bool:
 
 
 def is_truth(topic: str) -> bool:
-    """Return True if a topic of poses has a name of ground truth, from a simulator or from motion capture."""
+    """Return True if a topic of poses has the name of a ground truth, from a simulator or from motion capture."""
     return _TRUTH.search(topic.lower()) is not None
 
 
 def prefix_of(frame: str) -> str:
-    """Return the robot's part of a frame, such as "robot1" for "/robot1/base_link"; empty if there is none."""
+    """Return the robot's part of a frame, such as "robot1" for "/robot1/base_link", or an empty text."""
     return frame_name(frame).rpartition("/")[0]
 
 
 def namespace_of(topic: str) -> str:
-    """Return the robot's part of a topic, "robot1" for "/robot1/odom"; empty if there is none, or if it is a node."""
+    """Return the robot's part of a topic, such as "robot1" for "/robot1/odom", or an empty text."""
     words = topic.strip("/").split("/")
     for length in range(len(words) - 1, 0, -1):
         if words[length] in _OWN_TOPICS or words[length] == "move_base":
@@ -67,7 +67,7 @@ def namespace_of(topic: str) -> str:
 def owner_of(topic: str, robots: Collection[str]) -> str:
     """Return the known robot to which a topic belongs.
 
-    It is the robot of the topic's namespace; otherwise the only robot; otherwise the robot without a name.
+    It is the robot in the topic's namespace. Without such a robot, it is the only robot, or the namespace itself.
     """
     path = topic.strip("/")
     within = [robot for robot in robots if robot and path.startswith(f"{robot}/")]
@@ -77,16 +77,16 @@ def owner_of(topic: str, robots: Collection[str]) -> str:
 
 
 def usual_first(topics: Iterable[str], usual: Collection[str]) -> list[str]:
-    """Return topics in order of preference: first usual names in the order of `usual`, then names with few slashes."""
+    """Return topics in the order of preference: usual names in the order of `usual`, then names with few slashes."""
     ranks = {name: rank for rank, name in enumerate(usual)}
     return sorted(topics, key=lambda topic: (ranks.get(last_word(topic), len(ranks)), topic.count("/"), topic))
 
 
 def owner_of_edge(key: tuple[str, str, str]) -> str:
-    """Return the robot of a transform: the prefix of one of its frames, otherwise the namespace of the tf topic.
+    """Return the robot of a transform: the prefix of one of its frames, or else the namespace of the tf topic.
 
     Args:
-        key: namespace of the topic, parent frame, child frame.
+        key: namespace of the topic, parent frame, and child frame.
     """
     namespace, parent, child = key
     return prefix_of(child) or prefix_of(parent) or namespace
@@ -95,12 +95,12 @@ def owner_of_edge(key: tuple[str, str, str]) -> str:
 def robots_among(
     odometry: Mapping[str, str], edges: Iterable[tuple[str, str, str]], others: Iterable[str]
 ) -> frozenset[str]:
-    """Return the names of the robots: prefixes of frames, and namespaces. A robot without both has the name "".
+    """Return the names of the robots: prefixes of frames, and namespaces. A robot without them has the name "".
 
     Args:
         odometry: topics of odometry, each with its child frame.
         edges: transforms with an odometry frame as parent, as in `owner_of_edge`.
-        others: topics that only a robot has.
+        others: topics that belong to a robot.
     """
     found = {prefix_of(child) or namespace_of(topic) for topic, child in odometry.items()}
     if not found:
@@ -112,6 +112,6 @@ def robots_among(
 
 
 def by_number(robot: str) -> tuple[int, str]:
-    """Return the sort key of a robot, so that robot2 comes before robot10."""
+    """Return the sorting key of a robot. With it, robot2 is before robot10."""
     digits = "".join(sign for sign in robot if sign.isdigit())
     return int(digits or 0), robot

@@ -1,6 +1,6 @@
 """rviz configuration that shows a whole team: map, robots, scans, particle clouds, plans, costmaps.
 
-Source: files saved by rviz 1.14. rviz has defaults for everything that is omitted here.
+Source: files that rviz 1.14 has saved. rviz has defaults for all settings that are omitted here.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,7 +20,7 @@ Value: TypeAlias = "bool | int | float | str | Sequence[Value] | Mapping[str, Va
 Section: TypeAlias = dict[str, Value]
 
 COLOURS = ("0; 114; 178", "213; 94; 0", "0; 158; 115", "204; 121; 167", "230; 159; 0", "86; 180; 233", "120; 94; 240")
-"""One color per robot, which color-blind people can distinguish (Okabe and Ito, without yellow, which is too pale)."""
+"""One color per robot. Color-blind people can distinguish them (Okabe and Ito, without yellow, which is too pale)."""
 
 WINDOW = (1280, 900)
 """Width and height in pixels."""
@@ -34,16 +34,16 @@ _PANELS = (
     "00790073010000004100000320000000dd00ffffff000003c00000032000000004000000040000000800000008fc0000"
     "000100000002000000010000000a0054006f006f006c00730100000000ffffffff0000000000000000"
 )
-"""Positions of the panels in Qt's format (QMainWindow::saveState): the displays at the left, 300 pixels wide.
-Without this value, the displays would cover the map."""
+"""Positions of the panels in Qt's format (QMainWindow::saveState). The list of displays is at the left, 300 pixels
+wide. Without this value, it would cover the map."""
 
 
 def configuration(software: Sequence[RobotParameters], grid: OccupancyGrid) -> str:
     """Return the configuration file for a team on this map, seen from above.
 
     Args:
-        software: parameters of each robot; the planners in them name the topics of its plans.
-        grid: the map, which determines center and scale of the view.
+        software: parameters of each robot. The topics of a robot's plans contain the names of its planners.
+        grid: the map. It determines the center and the scale of the view.
     """
     team = [RobotNames.of(number) for number in range(len(software))]
     topics = [RobotTopics(robot, Planners.of(own)) for robot, own in zip(team, software, strict=True)]
@@ -78,12 +78,12 @@ def configuration(software: Sequence[RobotParameters], grid: OccupancyGrid) -> s
 
 
 def colour_of(robot: int) -> str:
-    """Return a robot's color as in rviz files: red, green and blue from 0 to 255."""
+    """Return a robot's color in the form of rviz files: red, green and blue from 0 to 255."""
     return COLOURS[robot % len(COLOURS)]
 
 
 def _display(kind: str, name: str, topic: str | None, enabled: bool, **properties: Value) -> Section:
-    """Return one display. rviz stores twice that it is switched on: in Enabled and in Value."""
+    """Return a display. rviz stores in Enabled and also in Value whether it is switched on."""
     given = {key.replace("_", " "): value for key, value in properties.items()}
     about = {} if topic is None else {"Topic": topic}
     return {"Class": f"rviz/{kind}", "Name": name, "Enabled": enabled, "Value": enabled, **about, **given}
@@ -93,7 +93,7 @@ def _shared(team: Sequence[RobotNames]) -> Iterator[Section]:
     yield _display("Map", "map", names.MAP, True, Color_Scheme="map", Alpha=0.6, Draw_Behind=True)
     yield _display("MarkerArray", "things", None, True, **{"Marker Topic": names.THINGS})
     yield _display("MarkerArray", "rooms", None, True, **{"Marker Topic": names.ROOMS})
-    # Only one frame of each robot is shown: more names would hide the map.
+    # Only one frame of each robot is shown, because more names would hide the map.
     shown = {MAP_FRAME: False} | {
         frame: frame == robot.base_link
         for robot in team
@@ -139,13 +139,13 @@ def _robot(robot: RobotNames, of: RobotTopics, colour: str) -> Section:
 
 
 def _tools(of: RobotTopics) -> Iterator[Section]:
-    """Yield the two buttons of a robot. rviz's tools have no names, only topics."""
+    """Yield the two tools of a robot. In rviz, these tools have topics, but no names."""
     yield {"Class": "rviz/SetInitialPose", "Topic": of.initialpose.name}
     yield {"Class": "rviz/SetGoal", "Topic": of.simple_goal.name}
 
 
 def _from_above(grid: OccupancyGrid) -> Section:
-    """Return the view of the whole map; rviz's scale is in pixels per meter."""
+    """Return the view of the complete map. rviz's scale is in pixels per meter."""
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     scale = _SHARE_OF_WINDOW * min((WINDOW[0] - _PANEL) / width, (WINDOW[1] - 120) / height)
     middle = grid.origin.compose(Pose2(width / 2, height / 2, 0.0))

@@ -12,7 +12,7 @@ from thbridge.ros.names import RobotNames
 
 
 class Topic(NamedTuple):
-    """A topic with its message type; a late subscriber of a latched topic gets its last message."""
+    """Topic with its message type. A late subscriber of a latched topic gets the last message."""
 
     name: str
     msgtype: str
@@ -20,13 +20,13 @@ class Topic(NamedTuple):
 
 
 class RosMessage(NamedTuple):
-    """A message on a topic.
+    """Message on a topic.
 
     Attributes:
         topic: its topic.
         stamp_ns: time of publication, nanoseconds of ROS time.
         data: its bytes.
-        foreign: True if another node of the ROS graph published it: it is recorded, but not published again.
+        foreign: True if another node of the ROS graph has published it. It is recorded, but not published again.
     """
 
     topic: Topic
@@ -36,10 +36,10 @@ class RosMessage(NamedTuple):
 
 
 MessageFilter: TypeAlias = Callable[[Iterable[RosMessage]], list[RosMessage]]
-"""Filter of the messages to be recorded; it gets all messages, in order of time."""
+"""Filter of the messages for a recording. It gets all messages in the order of time."""
 
 CLOCK = Topic(names.CLOCK, types.CLOCK)
-"""Published on graphs only, because `rosbag play` publishes its own clock."""
+"""Clock, which is only published on graphs, because `rosbag play` publishes its own clock."""
 TF = Topic(names.TF, types.TFMESSAGE)
 TF_STATIC = Topic(names.TF_STATIC, types.TFMESSAGE, latched=True)
 MAP = Topic(names.MAP, types.OCCUPANCY_GRID, latched=True)
@@ -79,19 +79,19 @@ TEAM_TOPICS = (
     ROSOUT,
     DIAGNOSTICS,
 )
-"""Topics that belong to no single robot."""
+"""Topics that are not of a single robot."""
 
 
 @dataclass(frozen=True, slots=True)
 class Planners:
-    """Names of a robot's planners, which are part of the topic names of their plans in move_base."""
+    """Names of a robot's planners. In move_base, the topics of plans contain these names."""
 
     base_global_planner: str = "NavfnROS"
     base_local_planner: str = "TrajectoryPlannerROS"
 
     @classmethod
     def of(cls, parameters: RobotParameters) -> "Planners":
-        """Return the planners of a robot; "navfn/NavfnROS" becomes NavfnROS."""
+        """Return the planners of a robot. For example, "navfn/NavfnROS" becomes "NavfnROS"."""
         chosen = parameters.move_base
         # The name of an installed planner may contain characters that ROS does not allow.
         planner = re.sub(r"\W", "_", chosen.base_global_planner.rpartition("/")[2], flags=re.ASCII)
@@ -102,9 +102,9 @@ class VehicleTopics:
     """Topics of one robot as a MAVLink vehicle, with mavros' names.
 
     Attributes:
-        sent: frames that it sends.
-        received: frames that it receives, on any link.
-        state: its state.
+        sent: topic of the frames that it sends.
+        received: topic of the frames that it receives on any link.
+        state: topic of its state.
     """
 
     def __init__(self, robot: RobotNames) -> None:
@@ -120,23 +120,23 @@ class VehicleTopics:
 P_WRONG = "p_wrong"
 """Last word of the topic with the probability that a robot's pose is wrong."""
 OF_ERRORS = frozenset({"believed_pose", "position_error", "heading_error", "lost", P_WRONG})
-"""Last words of the topics that show how well a robot knows where it is."""
+"""Last words of the topics that show the errors of a robot's pose estimate."""
 
 
 def is_of_errors(topic: Topic) -> bool:
-    """Return True for a topic that a recording omits with `recording: errors: false`."""
+    """Return True for a topic that a recording omits if the study has `recording: errors: false`."""
     return topic.name.rpartition("/")[2] in OF_ERRORS
 
 
 class RobotTopics:
-    """The topics of one robot."""
+    """Topics of one robot."""
 
     def __init__(self, robot: RobotNames, planners: Planners) -> None:
         self.odom = Topic(robot.topic("odom"), types.ODOMETRY)
         self.base_pose_ground_truth = Topic(robot.topic("base_pose_ground_truth"), types.ODOMETRY)
         self.scan = Topic(robot.topic("scan"), types.LASER_SCAN)
         self.amcl_pose = Topic(robot.topic("amcl_pose"), types.POSE_WITH_COVARIANCE, latched=True)
-        # These topics belong to no ROS node; they show how wrong a robot was, and when.
+        # No ROS node has these topics. They show the errors of the robot's pose estimate.
         self.believed_pose = Topic(robot.topic("believed_pose"), types.POSE_STAMPED)
         self.position_error = Topic(robot.topic("position_error"), types.FLOAT64)
         self.heading_error = Topic(robot.topic("heading_error"), types.FLOAT64)
@@ -152,12 +152,12 @@ class RobotTopics:
         self.status = Topic(robot.topic("move_base/status"), types.GOAL_STATUS_ARRAY, latched=True)
         self.feedback = Topic(robot.topic("move_base/feedback"), types.MOVE_BASE_FEEDBACK)
         self.result = Topic(robot.topic("move_base/result"), types.MOVE_BASE_RESULT)
-        # ROS repeats its plans. Ours are latched and published only when they change; the last one is empty.
+        # ROS repeats its plans. Our plans are latched and only published after a change. The last plan is empty.
         self.plan = Topic(robot.topic(f"move_base/{planners.base_global_planner}/plan"), types.PATH, latched=True)
         self.local_plan = Topic(
             robot.topic(f"move_base/{planners.base_local_planner}/local_plan"), types.PATH, latched=True
         )
-        # costmap_2d sends its last costmap to every new subscriber, so the topic behaves like a latched one.
+        # costmap_2d sends its last costmap to every new subscriber. So the topic behaves like a latched topic.
         self.global_costmap = Topic(robot.topic("move_base/global_costmap/costmap"), types.OCCUPANCY_GRID, latched=True)
         self.local_costmap = Topic(robot.topic("move_base/local_costmap/costmap"), types.OCCUPANCY_GRID, latched=True)
         self.global_footprint = Topic(robot.topic("move_base/global_costmap/footprint"), types.POLYGON_STAMPED)

@@ -66,7 +66,7 @@ def test_localisation_leaves_them_out_and_says_so(tmp_path: Path) -> None:
     recording = open_recording(write(tmp_path / "wild.bag", wild(math.nan)), None, None, None)
     assert len(recording.odometry) == 20
     assert any(
-        notice.startswith("/odom: left out, since they are not finite or too large: 10 ")
+        notice.startswith("/odom: messages left out because their values are not finite or too large: 10 ")
         for notice in recording.notices
     )
 

@@ -123,7 +123,7 @@ def test_an_outlier_is_not_driven_and_named(tmp_path: Path) -> None:
     assert track.distance == pytest.approx(59 * 0.05)
     assert len(track.odometry) == 59
     (told,) = track.faults
-    assert told.startswith("tf odom -> base_link: left out as outliers")
+    assert told.startswith("tf odom -> base_link: messages left out as outliers")
 
 
 def test_poses_stamped_years_ahead_are_not_driven_and_named(tmp_path: Path) -> None:
@@ -133,7 +133,7 @@ def test_poses_stamped_years_ahead_are_not_driven_and_named(tmp_path: Path) -> N
     track = driven(samples, tmp_path)
     assert track.distance == pytest.approx(59 * 0.05)
     (told,) = track.faults
-    assert "with a stamp that does not fit the others: 3" in told
+    assert "with a time stamp that does not fit the others: 3" in told
 
 
 def test_odometry_that_is_set_to_0_goes_on_from_there(tmp_path: Path) -> None:

@@ -111,9 +111,9 @@ def test_faults_are_told_with_topic_time_and_size() -> None:
     steps[20] = steps[20]._replace(base_in_odom=Pose2(1000.0, 0.0, 0.0))
     track = OdometryTrack(moved_from(40, steps, Pose2(-0.8, 0.0, 0.0)))
     assert list(fault_sentences("/odom", track.faults, track.begin_ns)) == [
-        "/odom: left out as outliers, since the robot cannot have driven there: 1 (after 0.40 s, 999.6 m and 0.00 rad "
-        "off).",
-        "/odom: resets to 0, after which only increments are used: 1 (after 0.80 s, 0.8 m and 0.00 rad off).",
+        "/odom: messages left out as outliers, because the robot cannot have driven there: 1 (after 0.40 s, by 999.6 m "
+        "and 0.00 rad).",
+        "/odom: resets to 0; from then on, only increments are used: 1 (after 0.80 s, by 0.8 m and 0.00 rad).",
     ]
 
 

@@ -1,4 +1,5 @@
-"""Real robots: their state from the messages that they publish, and the messages to them.
+"""Real robots: their states from their messages, and messages to them.
 
-There are no sockets and no clocks here: messages come in with their time of arrival; values and messages come out.
+This package has no sockets and no clocks. Its inputs are messages with their times of arrival. Its outputs are values
+and messages.
 """

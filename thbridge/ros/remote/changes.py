@@ -1,4 +1,4 @@
-"""Changes of real robots that people must know about: parts that become silent or come back."""
+"""Changes of real robots that people must know: parts that become silent or send messages again."""
 
 from dataclasses import dataclass, field
 from enum import Enum, auto
@@ -9,7 +9,7 @@ from thbridge.ros.remote.names import RemoteNames
 State = TypeVar("State")
 
 SETTLED_NS = 1_000_000_000
-"""Time for which a change must last before it is reported, so that simultaneous failures appear in one line."""
+"""Time for which a change must last before it is reported. So simultaneous failures appear in one line."""
 
 
 class RobotPart(Enum):
@@ -22,10 +22,10 @@ class RobotPart(Enum):
 
 @dataclass(slots=True)
 class SettledState(Generic[State]):
-    """A state. A change of it counts only after it has lasted for some time.
+    """State whose changes count only after they have lasted for some time.
 
     Attributes:
-        settled: the last state that has lasted long enough.
+        settled: last state that has lasted long enough.
     """
 
     settled: State
@@ -36,7 +36,7 @@ class SettledState(Generic[State]):
         self._newest = self.settled
 
     def take(self, state: State, now_ns: int) -> bool:
-        """Update the current state; return True once it differs from the settled state and has lasted long enough."""
+        """Update the present state. Return True when a new state has lasted long enough to become the settled state."""
         if state != self._newest:
             self._newest, self._since_ns = state, now_ns
         if state == self.settled or now_ns - self._since_ns < SETTLED_NS:
@@ -46,10 +46,10 @@ class SettledState(Generic[State]):
 
 
 def sentence_of_change(robot: str, named: RemoteNames, before: frozenset[RobotPart], now: frozenset[RobotPart]) -> str:
-    """Return the sentence about a robot with parts that have become silent or come back.
+    """Return the sentence about parts of a robot that have become silent or send messages again.
 
     Args:
-        robot: the robot in words.
+        robot: name of the robot for people.
         named: its topics and frames.
         before: its silent parts before.
         now: its silent parts now.

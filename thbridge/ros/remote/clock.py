@@ -1,20 +1,20 @@
-"""ROS time that never stops and never goes back, for programs that drive robots."""
+"""ROS time for programs that drive robots. It never stops and never goes back."""
 
 CLOCK_TIMEOUT_NS = 2_000_000_000
 """Time without a message on /clock after which ROS time continues with the wall clock.
 
-A dead simulator must not stop the time of the other robots.
+A simulator that has crashed must not stop the time of the other robots.
 """
 SET_BACK_NS = 1_000_000_000
-"""A clock that goes back by more than this was set, or its program was restarted. If it goes back by less, our time
-stands still."""
+"""If a clock goes back by more than this, it was set, or its program was restarted. If it goes back by less, our time
+stops until the clock reaches it again."""
 
 
 class RosClock:
-    """Time of a graph.
+    """Time of a ROS graph.
 
     Args:
-        simulated: True if time comes from `/clock`, False if it is wall time.
+        simulated: True if the time is that of `/clock`. False if it is wall time.
     """
 
     def __init__(self, simulated: bool) -> None:
@@ -29,20 +29,20 @@ class RosClock:
         return not self._simulated or self._last_clock is not None
 
     def receive(self, ros_ns: int, wall_ns: int) -> None:
-        """Process a message of `/clock` that arrived at a wall time."""
+        """Process a message of `/clock` with the wall time of its arrival."""
         self._last_clock = ros_ns, wall_ns
 
     def stands(self, wall_ns: int) -> bool:
-        """Return True if `/clock` was received before but is silent now, so that time follows the wall clock."""
+        """Return True if `/clock` is silent after earlier messages. Then time continues with the wall clock."""
         return self._last_clock is not None and wall_ns - self._last_clock[1] > CLOCK_TIMEOUT_NS
 
     def now(self, wall_ns: int) -> int:
-        """Return the ROS time at a wall time, in nanoseconds; at least 1 ns, because 0 means "no time" in ROS."""
+        """Return the ROS time at a wall time, in nanoseconds. It is at least 1 ns, because 0 means "no time" in ROS."""
         source_ns = wall_ns
         if self._simulated and self._last_clock is not None:
             ros_ns, received_ns = self._last_clock
             source_ns = ros_ns + max(0, wall_ns - received_ns - CLOCK_TIMEOUT_NS)
-        # If the source was set back permanently, a shift keeps our time at its last value, from which it continues.
+        # If the source was set back for good, a shift lets our time continue from its last value.
         if self._last_ns - (source_ns + self._shift_ns) > SET_BACK_NS:
             self._shift_ns = self._last_ns - source_ns
         self._last_ns = max(self._last_ns, source_ns + self._shift_ns, 1)

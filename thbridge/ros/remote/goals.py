@@ -1,11 +1,11 @@
-"""A client of a real robot's action server move_base. Every goal gets a result, even if robot or server fail.
+"""Client of a real robot's action server move_base. Every goal gets a result, even if the robot or the server fails.
 
 Source: actionlib, simple_action_client.py and comm_state_machine.py, for the order of the server's messages;
-move_base.cpp for the texts of its results.
-Differs: one goal at a time. Both results and status lists give the state of a goal: a result is sent only once and may
-get lost when the network breaks, but status lists are repeated. A goal that the server does not list is sent once more,
-because the server may have been restarted. Our goals that are no longer wanted, including those of an earlier run, are
-cancelled until the server ends them.
+move_base.cpp, for the texts of its results.
+Differs: there is one goal at a time. The state of a goal is read from results and from status lists. A result is sent
+only once and may be lost when the network breaks, but status lists are repeated. A goal that the server does not list
+is sent a second time, because the server may have been restarted. Our goals that are no longer wanted are cancelled
+until the server ends them. These include goals of an earlier run.
 """
 
 from collections.abc import Sequence
@@ -18,13 +18,13 @@ from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalSta
 from thbridge.ros.remote.pose import STALE_NS
 
 UNLISTED_TIMEOUT_NS = 2_000_000_000
-"""Time for which a goal is missing in the server's status lists before it counts as unknown to the server."""
+"""Time for which the server's status lists do not contain a goal before the goal counts as unknown to the server."""
 CANCEL_TIMEOUT_NS = 5_000_000_000
-"""Longest wait for the server to end a goal after the cancel request."""
+"""Maximum time between the cancel request for a goal and the end of the goal at the server."""
 LOST_TIMEOUT_NS = 10_000_000_000
-"""Time for which a robot is lost before it aborts its goal."""
+"""Time for which a robot is lost before its goal is aborted."""
 PREEMPTION_WINDOW_NS = 1_000_000_000
-"""Longest time between the end of a goal and the message about the goal that preempted it."""
+"""Maximum time between the end of a goal and the message about the goal that preempted it."""
 CANCEL_RETRY_NS = 1_000_000_000
 """Time between two attempts to cancel a stray goal."""
 
@@ -33,12 +33,12 @@ _REASONS: tuple[tuple[str, NoPathReason], ...] = (
     ("valid control", "blocked_by_obstacle"),
     ("oscillating", "stuck"),
 )
-"""Reasons of failure, by words in the texts of move_base's results."""
+"""Reasons of failures, by words in the texts of move_base's results."""
 
 
 @dataclass(frozen=True, slots=True)
 class OutgoingGoal:
-    """A goal to send to the server."""
+    """Goal that must be sent to the server."""
 
     goal_id: GoalId
     base_in_map: Pose2
@@ -46,24 +46,24 @@ class OutgoingGoal:
 
 @dataclass(frozen=True, slots=True)
 class OutgoingCancel:
-    """A cancel request to send to the server, for the goal of this id."""
+    """Cancel request for the goal of this id. It must be sent to the server."""
 
     name: str
 
 
 @dataclass(slots=True, eq=False)
 class _ActiveGoal:
-    """The current goal.
+    """Current goal.
 
     Attributes:
         goal: the requested goal.
-        goal_id: its id at the server.
-        sent_ns: time when it was last sent.
+        goal_id: id of the goal at the server.
+        sent_ns: time at which it was last sent.
         again: True if it was sent a second time.
         active: True while the server executes it.
-        unlisted_ns: time since which the server's status lists lack it; None while they contain it.
-        cancelled_ns: time of our cancel request; None if there was none.
-        withdrawn_ns: time when another client preempted or cancelled it; None otherwise.
+        unlisted_ns: time since which the server's status lists do not contain it. None while they contain it.
+        cancelled_ns: time of our cancel request. None if there was no request.
+        withdrawn_ns: time at which another client preempted or cancelled it. Otherwise None.
     """
 
     goal: Goal
@@ -77,16 +77,16 @@ class _ActiveGoal:
 
 
 class MoveBaseClient:
-    """Sender of goals to one robot's action server, which also reports their results.
+    """Client that sends goals to one robot's action server and reports their results.
 
     Args:
-        prefix: common prefix of the ids of all our goals for this robot, the same in every run.
+        prefix: common prefix of the ids of all our goals for this robot. It is the same in every run.
         stale_ns: time without messages after which a server counts as dead.
 
     Attributes:
-        outgoing: requests to send to the server; the sender empties the list.
-        results: results of goals, oldest first; the reader removes them.
-        resent: number of goals that were sent once more, because the server did not list them.
+        outgoing: requests that must be sent to the server. The sender empties the list.
+        results: results of goals, the oldest first. The reader removes them.
+        resent: number of goals that were sent a second time, because the server did not list them.
     """
 
     def __init__(self, prefix: str, stale_ns: int = STALE_NS) -> None:
@@ -106,11 +106,11 @@ class MoveBaseClient:
 
     @property
     def server_seen(self) -> bool:
-        """True if a status list of the server has been received at least once."""
+        """True if the server has sent at least one status list."""
         return self._status_ns is not None
 
     def is_silent(self, now_ns: int) -> bool:
-        """Return True if the server has sent messages before, but none for a long time."""
+        """Return True if the server has sent messages before, but not for a long time."""
         return self._status_ns is not None and now_ns - self._status_ns > self._stale_ns
 
     @property
@@ -120,24 +120,24 @@ class MoveBaseClient:
 
     @property
     def sent_ns(self) -> int:
-        """Time when the current goal was sent; 0 without one."""
+        """Time at which the current goal was sent. 0 without a goal."""
         return 0 if self._current is None else self._current.sent_ns
 
     def goal(self, now_ns: int, here: Pose2) -> Goal | None:
-        """Return the current goal of ours or of another client; `here` is used for a goal with an unknown pose."""
+        """Return our current goal or that of another client. `here` is used if the goal's pose is unknown."""
         if self._current is not None:
             return self._current.goal
         name = self._foreign_goal(now_ns)
         return None if name is None else Goal(0, self._foreign.get(name, (here, 0))[0], GoalOwner.STRANGER)
 
     def go(self, goal: Goal, now_ns: int) -> None:
-        """Send the robot to a goal; the previous goal ends as cancelled."""
+        """Send the robot to a goal. The previous goal ends as cancelled."""
         if self._current is not None:
             self._finish(Cancelled(self._current.goal))
         self._send(goal, now_ns, again=False)
 
     def cancel(self, now_ns: int) -> None:
-        """Cancel our goal; goals of other clients remain."""
+        """Cancel our goal. Goals of other clients remain."""
         current = self._current
         if current is not None and current.cancelled_ns is None:
             current.cancelled_ns = now_ns
@@ -168,7 +168,7 @@ class MoveBaseClient:
         self._cancel_strays(now_ns)
 
     def receive_result(self, entry: GoalStatus, now_ns: int) -> None:
-        """Process the status of our goal from a result or a status list; other goals are ignored."""
+        """Process the status of our goal from a result or a status list. Other goals are ignored."""
         current = self._current
         if current is None or entry.goal.id != current.goal_id.id or entry.status not in ENDED:
             return
@@ -183,12 +183,12 @@ class MoveBaseClient:
             current.withdrawn_ns, current.active = now_ns, False
 
     def step(self, now_ns: int, *, lost: bool, stale: bool) -> None:
-        """End goals that will not end on their own, because of timeouts, lost robots or dead servers.
+        """End the goal if the server will not end it, because of a timeout, a lost robot or a dead server.
 
         Args:
             now_ns: the time.
-            lost: True if the robot is not localized.
-            stale: True if its odometry has not been received for a long time.
+            lost: True if the robot does not know its pose.
+            stale: True if no odometry has arrived for a long time.
         """
         self._lost_ns = None if not lost else now_ns if self._lost_ns is None else self._lost_ns
         current = self._current
@@ -213,7 +213,7 @@ class MoveBaseClient:
             self._finish(NoPath(goal, "lost", "the robot does not know where it is"))
 
     def _resend_or_give_up(self, current: _ActiveGoal, now_ns: int) -> None:
-        """Send a goal once more if the server does not list it. If that has been done already, end it as failed."""
+        """Send a goal that the server does not list a second time. If this was done before, end the goal as failed."""
         if current.cancelled_ns is not None:
             self._finish(Cancelled(current.goal))
         elif current.again:
@@ -224,7 +224,7 @@ class MoveBaseClient:
 
     def _send(self, goal: Goal, now_ns: int, *, again: bool) -> None:
         self._sent += 1
-        # A server recalls a goal with a time stamp older than that of its current goal.
+        # A server recalls a goal that has an older time stamp than its current goal.
         self._stamp_ns = max(now_ns, self._stamp_ns + 1)
         seconds, nanoseconds = divmod(self._stamp_ns, 1_000_000_000)
         goal_id = GoalId(f"{self._prefix}{self._sent}-{seconds}.{nanoseconds:09d}", self._stamp_ns)
@@ -236,7 +236,7 @@ class MoveBaseClient:
         self.results.append(result)
 
     def _foreign_goal(self, now_ns: int) -> str | None:
-        """Return the id of another client's goal that is active or about to be, or None."""
+        """Return the id of another client's goal that is active or soon will be, or None."""
         if self._status_ns is not None and now_ns - self._status_ns <= self._stale_ns:
             for name, status in self._listed.items():
                 if status not in ENDED and not name.startswith(self._prefix):
@@ -263,5 +263,5 @@ class MoveBaseClient:
 
 
 def reason_of(text: str) -> NoPathReason:
-    """Return the reason why move_base aborted a goal, from the text of its result; other servers have other texts."""
+    """Return the reason why move_base aborted a goal, from the text of its result. Other servers have other texts."""
     return next((reason for words, reason in _REASONS if words in text.lower()), "gave_up")

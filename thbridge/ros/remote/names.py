@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class RemoteNames:
-    """Names of one robot; topics are global, frames have no leading slash.
+    """Names of one robot. Topics are global, and frames have no leading slash.
 
     Attributes:
-        map_frame: frame of the map, the same as in the session.
+        map_frame: frame of the map. It must be the map of the session.
         odom_frame: frame of its odometry.
         base_frame: frame of its base in tf.
         odom: topic of its odometry.
@@ -19,7 +19,7 @@ class RemoteNames:
         initialpose: topic of pose estimates for its localization.
         move_base: name of its action server.
         plan: topic of its global plan.
-        recorded: other topics, which are only recorded.
+        recorded: other topics. They are only recorded.
     """
 
     map_frame: str
@@ -36,5 +36,5 @@ class RemoteNames:
     recorded: tuple[str, ...] = ()
 
     def action(self, part: str) -> str:
-        """Return the topic of a part of its action: goal, cancel, status, feedback or result."""
+        """Return the topic of a part of the robot's action: goal, cancel, status, feedback or result."""
         return f"{self.move_base}/{part}"

@@ -1,7 +1,7 @@
-"""The pose of a real robot, from its own localization and odometry.
+"""Pose of a real robot, from its own localization and odometry.
 
 amcl corrects odometry from time to time. It sends map -> odom on tf, and the pose of the base at the time of the scan
-on amcl_pose. Between corrections, the pose follows odometry, as for every tf listener.
+on amcl_pose. Between corrections, the pose changes with odometry, as for every tf listener.
 """
 
 import math
@@ -23,37 +23,37 @@ from thbridge.ros.remote.names import RemoteNames
 STALE_NS = 5_000_000_000
 """Default time without messages after which a part of a robot counts as dead."""
 SET_BACK_NS = 5_000_000_000
-"""If a message is older than the last one by more than this time, it is not late: the robot's clock was set back, or
-its program was restarted."""
+"""If a message is older than the last message by more than this time, it is not late. Then the robot's clock was set
+back, or its program was restarted."""
 UNLOCALIZED_DISTANCE = 3.0
-"""Meters of odometry without a correction after which a robot with only amcl_pose is lost.
+"""Meters of odometry without a correction after which a robot that only sends amcl_pose counts as lost.
 
-amcl publishes it every 0.2 m (update_min_d).
+amcl publishes amcl_pose every 0.2 m (update_min_d).
 """
 
 _REMEMBERED = 500
 _APART_NS = 1_000_000_000
-"""Largest time difference between odometry and a pose that are combined."""
+"""Maximum time difference at which odometry and a pose are combined."""
 _JUMP, _FASTEST = 1.0, 5.0
-"""Largest possible distance between two odometry messages: meters, plus m/s times the time between them. A message
-farther away is an outlier, or the driver was restarted and counts from zero again. The next message shows which.
+"""Maximum possible distance between two odometry messages: meters, plus m/s times the time between them. A message that
+is farther away is an outlier, or the driver was restarted and counts from zero again. The next message shows the cause.
 """
 _NO_PARTICLES: FloatArray = np.empty((0, 3))
 _UNKNOWN: FloatArray = np.full((3, 3), np.nan)
 
 
 class RemotePose:
-    """Pose of one robot.
+    """Pose of one real robot.
 
     Args:
         names: its frames.
         stale_ns: time without messages after which a part of the robot counts as dead.
 
     Attributes:
-        received_ns: time of the last odometry message; None before the first.
+        received_ns: time of the last odometry message. None before the first message.
         base_in_odom: pose of the last odometry message.
         twist: velocity of the last odometry message.
-        notices: sentences about impossible odometry; the reader empties the list.
+        notices: sentences about impossible odometry. The reader empties the list.
     """
 
     def __init__(self, names: RemoteNames, stale_ns: int = STALE_NS) -> None:
@@ -79,11 +79,11 @@ class RemotePose:
 
     @property
     def localized(self) -> bool:
-        """True if its pose on the map is known, or was known before."""
+        """True if the robot's pose on the map is known, or was known before."""
         return self._odom_in_map is not None
 
     def stamp_odometry_later(self, later_ns: int) -> None:
-        """Add a time to the stamps of odometry, also of stored messages, because odometry is ahead of the scans."""
+        """Add a time to the stamps of odometry, also of stored messages. It is needed if odometry is ahead of scans."""
         more_ns = later_ns - self._odom_later_ns
         self._odom_later_ns = later_ns
         self._stamp_ns += more_ns
@@ -92,11 +92,11 @@ class RemotePose:
             self._suspect = self._suspect[0] + more_ns, self._suspect[1]
 
     def is_silent(self, now_ns: int) -> bool:
-        """Return True if odometry was received before, but not for a long time."""
+        """Return True if there was odometry before, but not for a long time."""
         return self.received_ns is not None and now_ns - self.received_ns > self._stale_ns
 
     def receive_odometry(self, message: OdometryMessage, now_ns: int) -> InvalidMessage | None:
-        """Process odometry; return a reason if it cannot be used."""
+        """Process odometry. Return the reason if it cannot be used."""
         if frame_name(message.frame) != self._names.odom_frame:
             return InvalidMessage(
                 f"its frame is {message.frame!r}, not {self._names.odom_frame!r}: see odom_frame in the study"
@@ -105,7 +105,7 @@ class RemotePose:
         return self._moved(message.stamp_ns, message.pose, message.twist, now_ns)
 
     def receive_pose(self, message: PoseInFrame) -> InvalidMessage | None:
-        """Process a pose of the localization (amcl_pose); return a reason if it cannot be used."""
+        """Process a pose of the localization (amcl_pose). Return the reason if it cannot be used."""
         if frame_name(message.frame) != self._names.map_frame:
             return InvalidMessage(
                 f"its frame is {message.frame!r}, not {self._names.map_frame!r}: see map_frame in the study"
@@ -113,19 +113,19 @@ class RemotePose:
         if not _is_finite(message.pose):
             return InvalidMessage("its pose is not finite")
         if message.stamp_ns < self._amcl_stamp_ns and self._amcl_stamp_ns - message.stamp_ns < SET_BACK_NS:
-            return None  # late; a much older one means that the robot's clock was set back
+            return None  # The message is late. If it were much older, the robot's clock would have been set back.
         self._amcl_stamp_ns = message.stamp_ns
         self._covariance = message.covariance
         self._updated = True
         if self._tf_ns is None and self._odometry:
             stamp_ns, base_in_odom = min(self._odometry, key=lambda entry: abs(entry[0] - message.stamp_ns))
-            # A latched pose from before our start is still valid: amcl publishes another as soon as the robot moves.
+            # A latched pose from before our start is valid, because amcl publishes the next one when the robot moves.
             if self._odom_in_map is None or abs(stamp_ns - message.stamp_ns) <= _APART_NS:
                 self._correct(message.pose.compose(base_in_odom.inverse()))
         return None
 
     def receive_transforms(self, message: Iterable[tuple[int, Transform]], now_ns: int) -> None:
-        """Process a message of /tf; transforms of other robots in it are ignored."""
+        """Process a message of /tf. Transforms of other robots are ignored."""
         names = self._names
         for stamp_ns, transform in message:
             parent, child = frame_name(transform.parent), frame_name(transform.child)
@@ -138,7 +138,7 @@ class RemotePose:
                 self._moved(stamp_ns, transform.pose, self._twist_to(stamp_ns, transform.pose), now_ns)
 
     def estimate(self, tick: int, now_ns: int) -> Estimate | None:
-        """Return the estimated pose; None before it is known."""
+        """Return the estimated pose, or None before it is known."""
         if self._odom_in_map is None or self.received_ns is None:
             return None
         updated, self._updated = self._updated, False
@@ -148,7 +148,7 @@ class RemotePose:
         )
 
     def is_lost(self, now_ns: int) -> bool:
-        """Return True if its pose on the map was known before, but is not known now."""
+        """Return True if the robot's pose on the map was known before, but is not known now."""
         if self._odom_in_map is None:
             return False
         if self._restarted:
@@ -204,17 +204,18 @@ class RemotePose:
         if self._suspect is None:
             return
         self._outliers += 1
-        # A broken driver may send only outliers, so report the first, the second, the fourth, ...
+        # A broken driver may send only outliers. So report only the first, the second, the fourth, and so on.
         if self._outliers & (self._outliers - 1) == 0:
             distance = self.base_in_odom.distance(self._suspect[1])
-            self.notices.append(f"an odometry message {distance:.1f} m off is left out ({self._outliers} so far)")
+            notice = f"an odometry message is left out: its pose is {distance:.1f} m away"
+            self.notices.append(f"{notice} ({self._outliers} so far)")
 
     def _restart(self, late_ns: int, base_in_odom: Pose2) -> None:
         self._odometry.clear()
         self._restarted = True
         distance = self.base_in_odom.distance(base_in_odom)
         cause = f"its clock was set back by {late_ns / 1e9:.1f} s" if late_ns > 0 else "its odometry was reset"
-        self.notices.append(f"{cause}: the pose by odometry moves by {distance:.1f} m")
+        self.notices.append(f"{cause}: the pose in odometry jumps by {distance:.1f} m")
 
 
 def _drivable(stamp_ns: int, left: Pose2, later_ns: int, reached: Pose2) -> bool:

@@ -1,7 +1,7 @@
-"""One real robot of a team: its messages become the output of a robot in the team; inputs become messages to the robot.
+"""Real robot of a team. Its messages become the output of a robot in the team. Inputs become messages to the robot.
 
-Time stamps within messages are times of the robot's own clock, and are only compared with each other. Times of arrival
-are of our clock. The charge is that of the real battery, not the game's energy. The turn rate is that of odometry.
+Time stamps in messages are times of the robot's own clock, and are only compared with each other. Times of arrival are
+times of our clock. The charge is that of the real battery, not the energy of the game. The turn rate is from odometry.
 """
 
 import math
@@ -37,24 +37,24 @@ RemoteInput = SendGoal | CancelGoal | DriveManually | SetPoseEstimate
 _NO_TIMES: FloatArray = np.empty(0)
 
 _transforms = lru_cache(maxsize=4)(unpack.transforms)
-"""Decoder of messages of /tf, cached because all robots read the same ones."""
+"""Decoder of messages of /tf. It has a cache, because all robots read the same messages."""
 
 
 class RemoteRobot:
-    """One real robot.
+    """Real robot of a team.
 
     Args:
         robot: its index in the team.
         named: names of its topics and frames.
         caller: name of our node, with which the ids of our goals start.
         footprint: (n, 2) corners of its body in the base frame, meters.
-        stale_ns: time without messages after which a part of it counts as dead.
+        stale_ns: time without messages after which a part of the robot counts as dead.
 
     Attributes:
         names: names of its topics and frames.
-        outgoing: messages to publish; the publisher empties the list.
-        subscriptions: the topics that `receive` accepts, with their message types.
-        publications: the topics of the messages in `outgoing`.
+        outgoing: messages that must be published. The publisher empties the list.
+        subscriptions: topics that `receive` accepts, with their message types.
+        publications: topics of the messages in `outgoing`.
     """
 
     def __init__(
@@ -101,7 +101,7 @@ class RemoteRobot:
         self._battery = (math.nan, math.nan, 0)
 
     def missing(self) -> list[str]:
-        """Return the messages that it still needs before it can take part, each with its topic."""
+        """Return the messages that are missing before the robot can be used, each with its topic."""
         named = self.names
         parts = []
         if self._pose.received_ns is None:
@@ -113,7 +113,7 @@ class RemoteRobot:
         return parts
 
     def silent_parts(self, now_ns: int) -> frozenset[RobotPart]:
-        """Return the parts of it that have been active, but are silent now."""
+        """Return the parts of the robot that were active before, but are silent now."""
         silent = {
             RobotPart.ODOMETRY: self._pose.is_silent(now_ns),
             RobotPart.NAVIGATION: self._goals.is_silent(now_ns),
@@ -123,20 +123,20 @@ class RemoteRobot:
 
     @property
     def resent_goals(self) -> int:
-        """Number of goals that were sent once more, because its navigation did not list them."""
+        """Number of goals that were sent a second time, because the robot's navigation did not report them."""
         return self._goals.resent
 
     def take_notices(self) -> list[str]:
-        """Return sentences about its odometry since the last call, for people."""
+        """Return the sentences for people about the robot's odometry since the last call."""
         notices, self._pose.notices = self._pose.notices, []
         return notices
 
     def stamp_odometry_later(self, later_ns: int) -> None:
-        """Add this to the time stamps of its odometry; see `RemotePose`."""
+        """Add a time to the time stamps of the robot's odometry; see `RemotePose`."""
         self._pose.stamp_odometry_later(later_ns)
 
     def receive(self, topic: str, data: bytes, now_ns: int) -> InvalidMessage | None:
-        """Process a message of a topic and type in `subscriptions`; return a reason if it cannot be used."""
+        """Process a message of a topic and type in `subscriptions`. Return the reason if it cannot be used."""
         try:
             return self._handlers[topic][1](data, now_ns)
         except ValueError as error:
@@ -167,7 +167,7 @@ class RemoteRobot:
         self._publish_goals(now_ns)
 
     def step(self, now_ns: int) -> RobotOutput | None:
-        """Return its current output; None while messages are missing (see `missing`)."""
+        """Return the robot's current output, or None while messages are missing (see `missing`)."""
         tick = tick_of(now_ns)
         estimate, received_ns = self._pose.estimate(tick, now_ns), self._pose.received_ns
         if estimate is None or received_ns is None:
@@ -238,7 +238,7 @@ class RemoteRobot:
 
 
 def missing_of(robots: Sequence[RemoteRobot]) -> list[str]:
-    """Return a sentence for each robot about the messages that are missing before it can take part."""
+    """Return a sentence for each robot that cannot be used yet. It lists the missing messages."""
     return [
         f"{robot_name(robot)} is not ready yet: {'; '.join(parts)}"
         for robot, remote in enumerate(robots)

@@ -1,6 +1,6 @@
-"""State of single topics of a real robot: its laser scans, its plan, the velocity commands to its base.
+"""State of single topics of a real robot: laser scans, plan, velocity commands to the base.
 
-Each class gets the messages of its topics with their time of arrival.
+Each class receives the messages of its topics with their times of arrival.
 """
 
 from collections.abc import Callable
@@ -21,15 +21,15 @@ from thbridge.ros.names import frame_name
 COMMAND_NS = 100_000_000
 """Time between two commands to the base while the robot is driven by hand."""
 COMMAND_LASTS_NS = 500_000_000
-"""Time for which a command to the base is valid: drivers stop without new commands."""
+"""Time for which a command to the base is valid. Without new commands, drivers stop the robot."""
 NEAR_GOAL = 1.0
-"""Largest distance in meters between the end of a plan and the goal; a plan that ends farther is for another goal."""
+"""Maximum distance in meters between the end of a plan and its goal. Other plans are for other goals."""
 
 NO_POSES: FloatArray = np.empty((0, 3))
 
 
 class RemoteScans:
-    """Scans of a laser with a mounting given by static transforms.
+    """Scans of a laser. Static transforms contain its mounting.
 
     Args:
         base_frame: name of the robot's base frame.
@@ -50,7 +50,7 @@ class RemoteScans:
         self._scan = unpack.laser_scan(data), now_ns
 
     def take(self) -> Scan | None:
-        """Return the newest scan, once; None while the laser's mounting is unknown."""
+        """Return the newest scan, and each scan only once. Return None while the laser's mounting is unknown."""
         if self._scan is None:
             return None
         (read, received_ns), self._scan = self._scan, None
@@ -69,14 +69,14 @@ class RemoteScans:
 
 
 class RemotePlan:
-    """Newest plan of move_base's global planner."""
+    """Newest plan of a robot's global planner."""
 
     def __init__(self) -> None:
         self._poses = NO_POSES
         self._received_ns = 0
 
     def receive(self, data: bytes, now_ns: int) -> InvalidMessage | None:
-        """Process a plan; return a reason if it cannot be used."""
+        """Process a plan. Return the reason if it cannot be used."""
         plan = unpack.path(data)
         if not np.isfinite(plan).all():
             return InvalidMessage("its poses are not finite")
@@ -84,12 +84,12 @@ class RemotePlan:
         return None
 
     def ahead(self, here: Pose2, there: Pose2, sent_ns: int) -> FloatArray:
-        """Return the rest of the plan to a goal, starting at the robot's own pose; empty without a plan.
+        """Return the rest of the plan to a goal, starting at the robot's own pose. Without a plan, it is empty.
 
         Args:
             here: pose of the robot.
-            there: goal.
-            sent_ns: time when the goal was sent.
+            there: pose of the goal.
+            sent_ns: time at which the goal was sent. Older plans are for other goals.
         """
         plan = self._poses
         if not len(plan) or self._received_ns < sent_ns:
@@ -101,10 +101,10 @@ class RemotePlan:
 
 
 class VelocityCommands:
-    """Velocity commands to the base, from any node; ours are repeated while the robot is driven by hand.
+    """Velocity commands to the base from any node. Our own commands are repeated during manual driving.
 
     Args:
-        publish: publishes a message at a given time.
+        publish: function that publishes a message at a given time.
     """
 
     def __init__(self, publish: Callable[[bytes, int], None]) -> None:
@@ -114,7 +114,7 @@ class VelocityCommands:
         self._driven_ns = -COMMAND_NS
 
     def receive(self, data: bytes, now_ns: int) -> InvalidMessage | None:
-        """Process a command; return a reason if it cannot be used."""
+        """Process a command. Return the reason if it cannot be used."""
         command = clients.velocity(data)
         if isinstance(command, InvalidMessage):
             return command
@@ -127,7 +127,7 @@ class VelocityCommands:
         return command if now_ns - received_ns <= COMMAND_LASTS_NS else STANDSTILL
 
     def drive(self, command: Twist, now_ns: int, lasts_ns: int) -> None:
-        """Drive the robot by hand, from the next step on."""
+        """Drive the robot by hand from the next step on."""
         self._drive = (command, now_ns + lasts_ns)
         self._driven_ns = now_ns - COMMAND_NS
 

@@ -161,4 +161,5 @@ def test_an_outlier_of_odometry_moves_nothing_and_is_reported(robot):
         heard(robot, 1 + 0.02 * number, 1005.0 if number % 2 else 5.0)
         assert where(robot, 1.2) == (15, 0)
         assert not robot.estimate(0, 2 * SECOND).lost
-    assert robot.notices == [f"an odometry message 1000.0 m off is left out ({count} so far)" for count in (1, 2, 4)]
+    notice = "an odometry message is left out: its pose is 1000.0 m away"
+    assert robot.notices == [f"{notice} ({count} so far)" for count in (1, 2, 4)]

@@ -22,7 +22,8 @@ def spiked(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     """A bag, and the sentence on what is left out of it."""
     bag = tmp_path_factory.mktemp("spiked") / "a.bag"
     write(bag, Robot(odom_topic=request.param, spikes={20: 1000.0, 61: -30.0}), seconds=6.0)
-    told = "left out as outliers, since the robot cannot have driven there: 2 (after 1.00 s, 1000.0 m and 0.00 rad off;"
+    why = "messages left out as outliers, because the robot cannot have driven there"
+    told = f"{why}: 2 (after 1.00 s, by 1000.0 m and 0.00 rad;"
     return bag, f"{TOPICS[request.param]}: {told}"
 
 
