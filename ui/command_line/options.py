@@ -23,14 +23,16 @@ StudyFile = Annotated[
 StudyOption = Annotated[Path | None, typer.Option("--study", help="Same as the argument `study_file`.", hidden=True)]
 # The bounds are those of the study file, so that the study stored in a bag can be read again.
 Robots = Annotated[int | None, typer.Option(help="Number of robots.", min=1, max=64)]
-MapName = Annotated[str | None, typer.Option("--map", help="Name of a map, or path of its folder with a slash.")]
+MapName = Annotated[
+    str | None, typer.Option("--map", help="Name of a map, or path of its folder; a path needs a slash.")
+]
 Seed = Annotated[
     int | None,
     typer.Option(help="Random seed. The same seed, study and inputs give the same run.", min=0, max=2**31 - 1),
 ]
 LanguageOption = Annotated[
     str | None,
-    typer.Option("--language", metavar="NAME", help="Language of the participant: en, de, or your own language."),
+    typer.Option("--language", metavar="NAME", help="Language of the participant: en, de, or a language you added."),
 ]
 Port = Annotated[int | None, typer.Option(help="TCP port for other programs; 0 means any free port.", min=0, max=65535)]
 BagFile = Annotated[Path | None, typer.Option(help="Bag file to record. An existing file of this name is renamed.")]
@@ -88,7 +90,7 @@ class ColourScheme(StrEnum):
 
 LookOption = Annotated[
     ColourScheme,
-    typer.Option("--look", help="Colors of windows. `system`: as chosen in the window, otherwise as in the desktop."),
+    typer.Option("--look", help="Colors of windows. `system`: as chosen in a window, or else the desktop's colors."),
 ]
 
 
@@ -130,7 +132,7 @@ SimulatedParticipant = Annotated[
         metavar="|".join((*_SIMULATED, "NAME")),
         callback=one_of(_SIMULATED, "thbridge.participants"),
         autocompletion=lambda: [*_SIMULATED],
-        help="Replace the recorded participant with a simulated one.",
+        help="Replace the recorded participant with a simulated participant.",
     ),
 ]
 
@@ -213,7 +215,7 @@ class WatchOptions:
     foxglove: Annotated[
         int | None,
         typer.Option(
-            help="Let Foxglove show the session: port on this machine; see `thbridge docs watching`.",
+            help="Port on this machine at which Foxglove can show the session; see `thbridge docs watching`.",
             min=0,
             max=65535,
         ),
@@ -230,7 +232,7 @@ class MavlinkOptions:
     ] = None
     identity: Annotated[
         AutopilotIdentity | None,
-        typer.Option(help="Autopilot type that robots report. QGroundControl can only command `ardupilot`."),
+        typer.Option(help="Autopilot type that robots report. QGroundControl commands robots only as `ardupilot`."),
     ] = None
     udp: Annotated[
         list[str] | None,

@@ -20,7 +20,7 @@ def keys_new(
     folder: KeyFolder = FOLDER,
     rights: Annotated[
         list[Right] | None,
-        typer.Option("--right", help="Right that the key grants; default: `watch`. Can be repeated."),
+        typer.Option("--right", help="Access right that the key grants; default: `watch`. Can be repeated."),
     ] = None,
     days: Annotated[
         int | None, typer.Option(help="Number of days after which the key expires; default: never.", min=1, max=3650)

@@ -52,8 +52,8 @@ def play(
     rate: Annotated[
         float | None,
         typer.Option(
-            help="Simulated seconds per real second; 0 means full speed, which is the default if no people or other "
-            "programs play.",
+            help="Simulated seconds per real second; 0 means full speed, which is the default if neither people nor "
+            "other programs play.",
             min=0,
             max=1000,
         ),
@@ -81,7 +81,7 @@ def play(
     ] = None,
     report_page: Annotated[
         bool | None,
-        typer.Option("--report/--no-report", help="Write an HTML report of the bag; default: yes, but no with --json."),
+        typer.Option("--report/--no-report", help="Write an HTML report of the bag. Default: yes, except with --json."),
     ] = None,
     *,
     ros: RosOptions,

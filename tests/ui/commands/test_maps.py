@@ -341,7 +341,7 @@ class TestPlans:
     @pytest.mark.parametrize(
         ("pixels", "thinner", "told"),
         [
-            ((650, 450), 6, "% of the drawn area, so it probably includes walls. Use --thinner 3."),
+            ((650, 450), 6, "% of the drawn area, so walls were probably removed. Use --thinner 3."),
             ((325, 225), 2, "of the floor is reachable: doors may be closed, or narrower than a robot."),
         ],
     )

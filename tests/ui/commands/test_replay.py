@@ -97,7 +97,7 @@ def test_requests_that_come_too_early_for_the_changed_robots_are_counted(hunt: P
     done = invoke("replay", hunt, "--with", "robot.TrajectoryPlannerROS.max_vel_x=0.2", "--json")
     assert done.exit_code == 0, done.output
     assert "Requests of the participant that were refused: " in done.stderr
-    assert "replace the recorded participant with a simulated one: --participant" in done.stderr
+    assert "use a simulated participant instead of the recorded one: --participant" in done.stderr
 
 
 def test_the_recorded_study_names_who_played() -> None:

@@ -104,7 +104,7 @@ def test_any_typing_is_taken_and_the_end_of_it_is_no_fault(lines: list[str]) -> 
     ("options", "told"),
     [
         (("--seed", 1), "--example: the example is missing."),
-        ((*EXAMPLE, "--exchange", 6), "--exchange: 6 does not exist. The example has exchanges 1 to 5."),
+        ((*EXAMPLE, "--exchange", 6), "--exchange: there is no exchange 6. The example has exchanges 1 to 5."),
         ((*EXAMPLE, "--game", "chess"), "--game: there is no game chess. Choose one of "),
         ((*EXAMPLE, "--games", "nowhere"), "nowhere: there is no such folder."),
         ((*EXAMPLE, "--language", "tlh"), "language tlh does not exist."),

@@ -22,7 +22,10 @@ class ArgumentationEngine(StrEnum):
 def argue(
     file: Annotated[Path, typer.Argument(help="Argumentation framework: a .apx, .tgf or .af file.")],
     semantics: Annotated[
-        Semantics, typer.Option(help="GR: grounded, CO: complete, PR: preferred, ST: stable.", case_sensitive=False)
+        Semantics,
+        typer.Option(
+            help="Kind of extensions. GR: grounded, CO: complete, PR: preferred, ST: stable.", case_sensitive=False
+        ),
     ] = Semantics.GROUNDED,
     engine: Annotated[
         ArgumentationEngine,
@@ -34,7 +37,7 @@ def argue(
     explain: Annotated[
         bool,
         typer.Option(
-            "--explain", help="Also print why the argument of --query is in an extension or not, as a discussion."
+            "--explain", help="Also print a discussion that explains why the argument of --query is accepted or not."
         ),
     ] = False,
     as_json: AsJson = False,

@@ -87,11 +87,11 @@ def bag_check(bag: Recording, progress: ProgressOption = ProgressKind.AUTO, as_j
 
 
 def bag_reindex(
-    bag: Annotated[Path, typer.Argument(help="Bag with an incomplete end, because its writer was killed.")],
+    bag: Annotated[Path, typer.Argument(help="Bag that ends abruptly, because its program was killed.")],
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Recover a bag that ends abruptly. The original file is kept under another name."""
+    """Recover a bag that ends abruptly. The original file is renamed."""
     import msgspec
 
     from thbridge.recording.bag.repair import reindex as reindex_bag

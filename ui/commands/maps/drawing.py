@@ -201,7 +201,7 @@ def _note_lost_walls(grid: OccupancyGrid, drawing: CleanedDrawing, thinner: int,
     if share > MOST_INK:
         closed = blocked_paths(grid, inscribed)
         better = "a smaller number" if closed is None or closed.thinner == thinner else f"--thinner {closed.thinner}"
-        note(f"This is {share:.0%} of the drawn area, so it probably includes walls. Use {better}.")
+        note(f"This is {share:.0%} of the drawn area, so walls were probably removed. Use {better}.")
 
 
 def _note_closed_floor(grid: OccupancyGrid, inscribed: float, remedy: str | None) -> None:

@@ -16,7 +16,7 @@ def maps_measure(
         Path | None, typer.Argument(help="Study file; its sections `world` and `robot` are used.")
     ] = None,
     runs: Annotated[
-        int, typer.Option(help="Number of trips from each place to each room; the mean is used.", min=1)
+        int, typer.Option(help="Number of trips from each place to each room; the mean time is used.", min=1)
     ] = 3,
     to: Annotated[
         Path | None,
@@ -73,7 +73,7 @@ def maps_measure(
         print(text, end="")  # noqa: T201 - the requested output
     for pair in times:
         for refusal in pair.refusals:
-            note(f"{spoken_place(pair.start)} to {spoken_place(pair.goal)}: not reached: {refusal}")
+            note(f"{spoken_place(pair.start)} to {spoken_place(pair.goal)}: the robot did not arrive: {refusal}")
     if as_json:
         file = None if to is None else str(to)
         print_json({"map": place.name, "runs": runs, "file": file, "trips": [times_as_json(pair) for pair in times]})

@@ -26,7 +26,7 @@ def maps_new(
     ] = None,
     height: Annotated[
         float | None,
-        typer.Option(help="Height of the whole image in meters, if its vertical scale differs.", min=0.1),
+        typer.Option(help="Height of the whole image in meters, if its two scales differ.", min=0.1),
     ] = None,
     turn: Annotated[
         float,
@@ -43,7 +43,7 @@ def maps_new(
             max=100,
         ),
     ] = None,
-    negate: Annotated[bool, typer.Option("--negate", help="The image has bright walls and a dark floor.")] = False,
+    negate: Annotated[bool, typer.Option("--negate", help="Read an image with bright walls and a dark floor.")] = False,
     rooms: Annotated[
         int | None, typer.Option(help="Number of rooms: use only the largest rooms. Default: all.", min=1, max=999)
     ] = None,
@@ -53,7 +53,7 @@ def maps_new(
     robots: Annotated[int, typer.Option(help="Number of start poses.", min=1, max=64)] = 8,
     times: Annotated[bool, typer.Option("--times/--no-times", help="Measure the duration of each trip.")] = True,
     runs: Annotated[
-        int, typer.Option(help="Number of trips from each place to each room; the mean is used.", min=1)
+        int, typer.Option(help="Number of trips from each place to each room; the mean time is used.", min=1)
     ] = 1,
     jobs: Annotated[
         int | None,

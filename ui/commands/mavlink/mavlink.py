@@ -22,7 +22,7 @@ _TCP = "tcp:"
 Where = Annotated[
     str,
     typer.Argument(
-        metavar="HOST:PORT", help="UDP address to which robots send, or tcp:HOST:PORT to connect to robots."
+        metavar="HOST:PORT", help="UDP address to which robots send; tcp:HOST:PORT connects to robots by TCP."
     ),
 ]
 
@@ -77,7 +77,7 @@ def goto(
     heading: Annotated[
         float | None, typer.Option(help="Heading at the goal: degrees counterclockwise from east.")
     ] = None,
-    keep: Annotated[bool, typer.Option("--keep", help="Do not release command afterwards.")] = False,
+    keep: Annotated[bool, typer.Option("--keep", help="Do not release command of the robot at the end.")] = False,
     signing_key: KeyFile = None,
 ) -> None:
     """Take command of a robot, send it to a point of the map, wait until it arrives, and release command.
@@ -118,7 +118,7 @@ def goto(
 def mavlink_replay(
     bag: Annotated[Path, typer.Argument(help="Recording with topics /robotN/mavlink/to.")],
     study_file: Annotated[
-        Path | None, typer.Argument(help="Study to run; default: the study in the recording.")
+        Path | None, typer.Argument(help="Study file to run; default: the study in the recording.")
     ] = None,
     study_option: StudyOption = None,
     changes: Annotated[

@@ -47,7 +47,7 @@ def localize(
         Triple | None,
         typer.Option(help="Pose of the robot at the start, in the map: meters, radians.", metavar="X Y YAW"),
     ] = None,
-    anywhere: Annotated[bool, typer.Option("--global", help="Search the robot's start pose on the whole map.")] = False,
+    anywhere: Annotated[bool, typer.Option("--global", help="Search for the start pose on the whole map.")] = False,
     laser_pose: Annotated[
         Triple | None, typer.Option(help="Pose of the laser on the base; default: from tf.", metavar="X Y YAW")
     ] = None,
@@ -69,17 +69,18 @@ def localize(
     seed: Annotated[int, typer.Option(help="Random seed.", min=0, max=2**31 - 1)] = 1,
     to: Annotated[
         Path | None,
-        typer.Option("--out", help="Write the path as a TUM file, one line per update; `-` is standard output."),
+        typer.Option("--out", help="TUM file to write: the path, one line per update. `-` is standard output."),
     ] = None,
     updates: Annotated[
         Path | None,
         typer.Option(
-            help="Write all updates with covariance, agreement, lost flag and p_wrong: a .csv or .jsonl (JSON lines)."
+            help="File to write (.csv or .jsonl): all updates, with covariance, agreement, lost flag, and probability "
+            "of a wrong pose."
         ),
     ] = None,
     plot: Annotated[
         Path | None,
-        typer.Option(help="Draw the path and the places where the robot was lost on the map: a .png, .svg or .pdf."),
+        typer.Option(help="Picture to write (.png, .svg or .pdf): the path on the map, and where the robot was lost."),
     ] = None,
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,

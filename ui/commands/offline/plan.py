@@ -33,7 +33,7 @@ def plan(
     start: Annotated[Place | None, typer.Option(help="Start in the map frame, meters.", metavar="X Y")] = None,
     goal: Annotated[Place | None, typer.Option(help="Goal in the map frame, meters.", metavar="X Y")] = None,
     batch: Annotated[
-        Path | None, typer.Option(help=f"Many starts and goals: a CSV file with the header `{','.join(COLUMNS)}`.")
+        Path | None, typer.Option(help=f"CSV file with many starts and goals; header `{','.join(COLUMNS)}`.")
     ] = None,
     inflation: Annotated[
         float, typer.Option(help="Distance from walls within which cells cost more, m; at least the radius.")

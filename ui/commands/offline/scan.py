@@ -18,7 +18,7 @@ Pose = Annotated[
 def scan(
     map_yaml: Annotated[Path, typer.Option("--map", help="Map: a map.yaml of map_server.")],
     pose: Pose = None,
-    batch: Annotated[Path | None, typer.Option(help="Many poses: a CSV file with the header `x,y,yaw`.")] = None,
+    batch: Annotated[Path | None, typer.Option(help="CSV file with many poses; header `x,y,yaw`.")] = None,
     beams: Annotated[int, typer.Option(help="Number of beams.", min=1, max=100_000)] = 360,
     angle_min: Annotated[float, typer.Option(help="Angle of the first beam relative to the laser, rad.")] = -math.pi,
     angle_max: Annotated[

@@ -38,7 +38,7 @@ def check_plugin(kind: PluginKind, name: str, seed: int) -> TrialReport:
         with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
             other = pool.submit(TRIALS[kind], name, seed, LONGEST).result()
         if other.digest != trial.digest:
-            trial.note("it decided differently in another process with the same seed", DETERMINED, ())
+            trial.note("the plug-in decided differently in another process with the same seed", DETERMINED, ())
     package = kind.package(name)
     tried = f"{name} ({package}): {trial.situations} situations, each run twice"
     summary = f"{tried}, in {trial.slowness:.2g} times the time of the built-in {trial.what}"

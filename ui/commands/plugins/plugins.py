@@ -25,14 +25,14 @@ def plugins_list(as_json: AsJson = False) -> None:
 
 def plugins_check(
     participant: Annotated[
-        str | None, typer.Option(help="Installed simulated participant to check, in games of all conditions.")
+        str | None, typer.Option(help="Name of the simulated participant to check, in games of all conditions.")
     ] = None,
     recovery: Annotated[
-        str | None, typer.Option(help="Installed recovery behavior to check, in places of all kinds.")
+        str | None, typer.Option(help="Name of the recovery behavior to check, in places of all kinds.")
     ] = None,
-    localizer: Annotated[str | None, typer.Option(help="Installed localizer to check, with all its methods.")] = None,
+    localizer: Annotated[str | None, typer.Option(help="Name of the localizer to check, with all its methods.")] = None,
     planner: Annotated[
-        str | None, typer.Option(help="Installed global planner to check, on maps with and without paths.")
+        str | None, typer.Option(help="Name of the global planner to check, on maps with and without paths.")
     ] = None,
     seed: Seed = 0,
     as_json: AsJson = False,

@@ -44,7 +44,9 @@ def server(
     keys: Keys = None,
     open_to: OpenTo = None,
     journal: Annotated[Path, typer.Option(help="Folder for the journals of games.")] = Path("journal"),
-    new_game: Annotated[bool, typer.Option("--new-game", help="Start a new game even if one is unfinished.")] = False,
+    new_game: Annotated[
+        bool, typer.Option("--new-game", help="Start a new game even if a game is unfinished.")
+    ] = False,
 ) -> None:
     """Run the text server of 2016 and the keeper, which manages the game, until the command is stopped."""
     import secrets

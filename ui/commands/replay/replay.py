@@ -72,7 +72,7 @@ def replay(
         setting = read_setting(with_strategy(with_changes(study, files, assignments), participant), beside)
         recorded_seconds = info(bag).duration
     if participant is not None and not record.participant:
-        fail(BAD_INPUT, f"--participant: in {bag}, the participant was another program. Omit the option.")
+        fail(BAD_INPUT, f"--participant: in {bag}, another program was the participant. Omit the option.")
     what_if = bool(changes) or participant is not None
     for sentence in other_versions(record):
         note(sentence)
@@ -108,7 +108,7 @@ def replay(
     if what_if and participant is None and refused:
         note(f"Requests of the participant that were refused: {refused}. {_SAME_TIME}")
         if record.participant:
-            note("To compare whole hunts, replace the recorded participant with a simulated one: --participant NAME.")
+            note("To compare whole hunts, use a simulated participant instead of the recorded one: --participant NAME.")
     if not done.finished:
         fail(FAILED, "Stopped before the end of the recording.")
     if done.difference is not None and not what_if:

@@ -216,7 +216,7 @@ def study_export(
     for details in written.notes:
         note(details)
     python, r = shlex.join(["python", str(to / "analysis.py")]), shlex.join(["Rscript", str(to / "analysis.R")])
-    note(f"Wrote {to}. Compare and plot its conditions with `{python}` or `{r}`.")
+    note(f"Wrote {to}. Compare and plot the conditions with `{python}` or `{r}`.")
 
 
 def study_backup(
@@ -236,7 +236,8 @@ def study_backup(
         lacking = back_up(place, to)
     for details in lacking:
         note(details)
-    note(f"{to} is verified and up to date. You can use it like the study: `{command('study', 'status', to)}`.")
+    use = f"You can use the backup instead of the study: `{command('study', 'status', to)}`"
+    note(f"{to} is verified and up to date. {use}.")
     if lacking:
         raise typer.Exit(FAILED)
 
@@ -303,15 +304,15 @@ def study_rehearse(
         design = place.read(with_files=True)
         people = read_people(place.people, design)
         if to.exists():
-            fail(BAD_INPUT, f"{to}: this folder already exists. Choose another with --to.")
+            fail(BAD_INPUT, f"{to}: this folder already exists. Choose another folder with --to.")
         with (
-            new_folder(to, "choose another with --to, or free disk space") as new,
+            new_folder(to, "choose another folder with --to, or free disk space") as new,
             shown_progress(progress, "rehearsal") as tell,
         ):
             shutil.copytree(folder, new, ignore=data_of, dirs_exist_ok=True)
             rehearse(ExperimentFolder(new), design, replace(people, plays=people.plays and games), seed, tell)
     study_status(to)
-    note(f"Export it with `{command('study', 'export', to, '--to', to / 'exports' / 'first')}`.")
+    note(f"Export the rehearsal with `{command('study', 'export', to, '--to', to / 'exports' / 'first')}`.")
 
 
 @with_option_sets
@@ -324,7 +325,10 @@ def study_power(
         typer.Option(help="Number of people. Can be repeated. Default: six values up to the quota.", min=2),
     ] = None,
     rehearsals: Annotated[
-        int, typer.Option(help="Number of rehearsals with the effects, and of rehearsals without.", min=10, max=100_000)
+        int,
+        typer.Option(
+            help="Number of rehearsals with the effects; as many are without effects.", min=10, max=100_000
+        ),
     ] = 200,
     seed: Annotated[int, typer.Option(help="Random seed of the first rehearsal.", min=0, max=2**30)] = 1,
     to: Annotated[

@@ -94,6 +94,6 @@ def show_estimates(estimates: Mapping[bool, Sequence[PowerEstimate]], *, as_json
         table.add_row(f"{power.people}", f"{power.share:.2f}", f"{low:.2f} to {high:.2f}", f"{none.share:.3f}")
     out.print(table)
     if enough is None:
-        say(f"None of these numbers gives a power of {ENOUGH}. Try more people with --people.")
+        say(f"None of these numbers of people gives a power of {ENOUGH}. Try more people with --people.")
     else:
         say(f"{enough} people give a power of at least {ENOUGH}.")

@@ -31,7 +31,7 @@ def restore_study(backup: Path, to: Path | None, *, yes: bool) -> None:
         note(
             f"The previous files of {root} are kept in {kept}. Look at them with `{command('study', 'status', kept)}`."
         )
-    note(f"{root} was restored from {backup}: {plan.events} events. See `{command('study', 'status', root)}`.")
+    note(f"{root} was restored from {backup}, with {plan.events} events. See `{command('study', 'status', root)}`.")
     finish_begun_withdrawals(root)
 
 

@@ -57,7 +57,7 @@ def study_check(
             note(advice)
         if design.file.markers and (reason := why_no_markers()):
             note(reason)
-        note(f"Rehearse it with simulated people: `{command('study', 'rehearse', file, '--to', 'rehearsal')}`.")
+        note(f"Rehearse the study with simulated people: `{command('study', 'rehearse', file, '--to', 'rehearsal')}`.")
         return
     setting = setting_of(study_of(file, {}), file)
     note_doubts(setting)

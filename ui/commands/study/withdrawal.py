@@ -61,9 +61,9 @@ def withdraw_participant(folder: Path, named: str | None, gone: Sequence[Path], 
         design = place.read()
         for path in gone:
             if path.exists():
-                fail(BAD_INPUT, f"{path}: this folder exists. The withdrawal deletes the data in it; omit --gone.")
+                fail(BAD_INPUT, f"{path}: this folder exists. The withdrawal deletes data in this folder; omit --gone.")
             if not any([place.exports_known.remove(path), place.backups_known.remove(path)]):
-                fail(BAD_INPUT, f"{path}: no export or backup of this study was written to it. Check the path.")
+                fail(BAD_INPUT, f"{path}: no export or backup of this study was written there. Check the path.")
         pending = place.pending_withdrawals.read()
         finished = finish_and_report(folder, pending) if pending else []
         if named is None and gone:

@@ -46,4 +46,4 @@ def sweep_collect(
         with destination(to, ".csv") as file:
             write_collected(table, file, TableFormat(kind))
     if to != STANDARD_OUTPUT:
-        note(f"{table.num_rows} games: {to}")
+        note(f"Wrote {table.num_rows} games to {to}.")

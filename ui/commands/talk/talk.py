@@ -89,7 +89,8 @@ def talk(
         fail(BAD_INPUT, f"--game: there is no game {game}. Choose one of {', '.join(sorted(rulebook.games))}.")
     exchanges = (jhri2015 if example is TalkExample.JHRI2015 else rules_as_topics)(rulebook)
     if exchange is not None and exchange > len(exchanges):
-        fail(BAD_INPUT, f"--exchange: {exchange} does not exist. The example has exchanges 1 to {len(exchanges)}.")
+        remedy = f"The example has exchanges 1 to {len(exchanges)}"
+        fail(BAD_INPUT, f"--exchange: there is no exchange {exchange}. {remedy}.")
     show = note if as_json else say
     people = frozenset(
         side for side, player in ((Side.ROBOT, robot), (Side.HUMAN, human)) if player is TalkPlayer.PERSON
@@ -112,11 +113,11 @@ def talk_check(
     ] = None,
     strategy: Annotated[
         str | None,
-        typer.Option(help="Installed strategy to check, with these games and the built-in games."),
+        typer.Option(help="Name of the installed strategy to check, in these games and the built-in games."),
     ] = None,
     author: Annotated[
         str | None,
-        typer.Option(help="Installed author of wordings to check, with the robots' moves in these games."),
+        typer.Option(help="Name of the installed author of wordings to check, with the robots' moves in these games."),
     ] = None,
     conversations: Annotated[
         int,

@@ -156,7 +156,7 @@ def test_an_export_that_no_longer_exists_is_forgotten_if_somebody_says_so(study:
     export = tmp_path / "export"
     output_of("study", "export", study, "--to", export)
     assert "this folder exists" in refusal_of("study", "withdraw", study, "--gone", export)
-    assert "was written to it" in refusal_of("study", "withdraw", study, "--gone", tmp_path / "other")
+    assert "was written there" in refusal_of("study", "withdraw", study, "--gone", tmp_path / "other")
     shutil.rmtree(export)
     refusal_of("study", "withdraw", study, first, "--yes")
     assert f"interrupted withdrawal of {first} is finished" in output_of("study", "withdraw", study, "--gone", export)
