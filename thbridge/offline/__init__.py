@@ -1,1 +1,1 @@
-"""Single functions of a robot for any maps and recordings: localize, plan, drive, scan, measure."""
+"""Separate functions of a robot for any map or recording: localize, plan, drive, scan, measure."""

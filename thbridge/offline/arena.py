@@ -1,4 +1,4 @@
-"""Arenas made of found rooms: outlines and goals of rooms, and start poses."""
+"""Construction of arenas from found rooms: outlines and goals of rooms, and start poses."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,19 +26,19 @@ from thbridge.hunt.rooms import Room
 from thbridge.offline.room_finding import Labels, drivable_floor
 
 TOLERANCES = (0.2, 0.1, 0.05)
-"""Tolerances between the cells' outline and an outline with fewer corners, meters. The first that fits is used."""
+"""Tolerances between the cells' outline and an outline with fewer corners, meters. The first suitable value is used."""
 GAP = 2
-"""Gap between rooms without a wall between them, cells. It is used if their outlines would otherwise be complicated."""
+"""Gap between rooms without a wall between them, cells. A gap is used only if it simplifies their outlines."""
 SPARE = 0.1
 """Additional distance of goals and starts from walls, if there is enough space, meters."""
 APART = 1.0
 """Distance between neighboring start poses, meters."""
 SKIPPED = 0.2
-"""Minimum distance between a rejected place for a start and the next place to try, meters."""
+"""Minimum distance between a rejected start position and the next candidate, meters."""
 NEARER = 20.0
-"""Meters by which a start may be farther from the middle for each meter of additional distance from walls."""
+"""Allowed additional distance of a start from the middle for each meter of additional distance from walls, meters."""
 MOST_TRIED = 400
-"""Maximum number of places to try for start poses. Then the search reports that no more robots fit."""
+"""Maximum number of candidates for start poses. After these, the search returns fewer poses than requested."""
 
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
@@ -49,8 +49,8 @@ class Arena:
     """Rooms and start poses for a map.
 
     Attributes:
-        rooms: the rooms in the order of their numbers.
-        starts: start poses of robot 1, 2, ...; fewer than requested if no more fit.
+        rooms: the rooms, in the order of their numbers.
+        starts: start poses of robot 1, 2, .... If there is not enough space, fewer than requested.
     """
 
     rooms: tuple[MapRoom, ...]
@@ -60,11 +60,11 @@ class Arena:
 def arena_of(
     grid: OccupancyGrid, labels: Labels, robots: int, names: Sequence[str] = (), footprint: Polygon = FOOTPRINT
 ) -> Arena:
-    """Make an arena of found rooms.
+    """Return the arena for found rooms.
 
     Args:
         grid: the map.
-        labels: rooms of the map, as `find_rooms` returns them.
+        labels: rooms of the map, from `find_rooms`.
         robots: number of start poses.
         names: names of the first rooms. Further rooms have names like "Room 3".
         footprint: corners of a robot in its own frame, meters.
@@ -72,7 +72,7 @@ def arena_of(
     inscribed, circumscribed = radii(np.array(footprint))
     floor = TraversabilityMap.of(grid, inscribed, circumscribed)
     reach = drivable_floor(grid, inscribed)
-    # Robots get stuck in gaps that are hardly wide enough for a turn.
+    # Robots get stuck in gaps where they can hardly turn.
     easy = drivable_floor(grid, circumscribed + SPARE)
     rooms: list[MapRoom] = []
     for outline in room_outlines(labels, floor):
@@ -86,7 +86,7 @@ def arena_of(
 
 
 def cells_inside(outline: Polygon, floor: TraversabilityMap) -> Mask:
-    """Return the cells that have their centers inside an outline (map frame)."""
+    """Return the cells with centers inside an outline (map frame)."""
     held = np.zeros(floor.clearance.shape, dtype=np.bool_)
     box, mask = floor.held_by(outline)
     held[box] = mask
@@ -94,10 +94,10 @@ def cells_inside(outline: Polygon, floor: TraversabilityMap) -> Mask:
 
 
 def best_goal(floor: TraversabilityMap, outline: Polygon, where: Mask) -> Pose2 | None:
-    """Return the pose with the greatest clearance among the cells `where`, yaw 0; None if there is no cell.
+    """Return the pose with the greatest clearance among the cells `where`, with yaw 0. None if there is no cell.
 
-    If several cells have the same clearance, the most central one is returned. A cell is ignored if its center is on
-    the outline, because the rounded pose might be outside.
+    If several cells have the same clearance, return the most central cell. Ignore a cell with its center on the
+    outline, because the rounded pose might be outside.
     """
     cells = np.argwhere(where)
     if not len(cells):
@@ -118,11 +118,11 @@ def _pose_at(grid: OccupancyGrid, cell: NDArray[np.int64]) -> Pose2:
 
 
 def start_poses(floor: TraversabilityMap, reach: Mask, rooms: Sequence[MapRoom], robots: int) -> tuple[Pose2, ...]:
-    """Return start poses in the corridor, near the middle of the rooms, that do not block any robot's path.
+    """Return start poses in the corridor, near the middle of the rooms. Robots there do not block each other's paths.
 
     Args:
         floor: the map for the robot's footprint.
-        reach: cells that a robot's center reaches.
+        reach: cells that a robot's center can reach.
         rooms: rooms of the map. Their floor is used only if there is no corridor.
         robots: maximum number of poses.
     """
@@ -153,7 +153,7 @@ def start_poses(floor: TraversabilityMap, reach: Mask, rooms: Sequence[MapRoom],
 
 
 def _is_shut_in(floor: TraversabilityMap, starts: Sequence[Pose2], rooms: Sequence[MapRoom]) -> bool:
-    """Return True if robots at these starts would separate two rooms, or a robot from a room."""
+    """Return True if robots at these starts would block the path between two rooms, or from a robot to a room."""
     goals = [floor.grid.cell_of(room.goal.x, room.goal.y) for room in rooms]
     crowd = CrowdedFloor(floor, starts)
     return not crowd.are_connected(goals) or not all(all(crowd.reached(robot, goals)) for robot in range(len(starts)))
@@ -163,9 +163,9 @@ def _is_shut_in(floor: TraversabilityMap, starts: Sequence[Pose2], rooms: Sequen
 
 
 def room_outlines(labels: Labels, floor: TraversabilityMap) -> list[Polygon]:
-    """Return the outlines of all rooms (map frame), in the order of numbers.
+    """Return the outlines of all rooms (map frame), in the order of the rooms' numbers.
 
-    They have few corners and do not overlap.
+    The outlines have few corners and do not overlap.
     """
     taken = np.zeros(labels.shape, dtype=np.bool_)
     outlines: list[Polygon] = []
@@ -206,14 +206,14 @@ def _placed(corners: Sequence[Point], grid: OccupancyGrid) -> Polygon:
 
 
 def _filled(labels: Labels, number: int) -> Mask:
-    """Return the cells of a room, including holes in it that belong to no room."""
+    """Return the cells of a room, and the cells of holes in the room that belong to no room."""
     room = _largest(labels == number)
     filled: Mask = np.asarray(binary_fill_holes(room)) & ((labels == 0) | room)
     return filled
 
 
 def _largest(mask: Mask) -> Mask:
-    """Return the largest connected piece."""
+    """Return the largest connected piece of a mask."""
     pieces, count = label(mask)
     largest: Mask = (pieces == np.bincount(pieces[pieces > 0]).argmax()) if count else mask
     return largest
@@ -222,7 +222,7 @@ def _largest(mask: Mask) -> Mask:
 def outline_of(mask: Mask) -> list[Point]:
     """Return the corners (column, row) of the outer edge of connected cells, counterclockwise from the lowest left one.
 
-    Where two cells touch only at a corner, the edge continues along the same cell. So the edge does not cross itself.
+    If two cells touch only at a corner, the edge continues along the same cell. So the edge does not cross itself.
     """
     padded = np.pad(mask, 1)
     inner = padded[1:-1, 1:-1]
@@ -254,11 +254,11 @@ def outline_of(mask: Mask) -> list[Point]:
 
 
 def simplified(corners: Sequence[Point], tolerance: float) -> list[Point]:
-    """Return a closed outline with fewer corners. Removed corners are at most `tolerance` away from it.
+    """Return a closed outline with fewer corners. The distance of removed corners from it is at most `tolerance`.
 
     Source: D. Douglas and T. Peucker, "Algorithms for the reduction of the number of points required to represent a
-    digitized line", The Canadian Cartographer 10, 1973. The outline is cut at its first corner and at the corner
-    farthest from the first one.
+    digitized line", The Canadian Cartographer 10, 1973. The outline is cut at its first corner and at the corner that
+    is farthest from the first corner.
     """
     points = np.array(corners)
     far = int(np.hypot(*(points - points[0]).T).argmax())

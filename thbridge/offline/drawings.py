@@ -1,8 +1,8 @@
-"""Cleaning of architects' floor plans: thin lines and letters that are not walls, other scales, rotated paper.
+"""Cleaning of architects' floor plans: removal of thin lines and letters that are not walls, scaling, rotation.
 
-Plans show doors as an arc and a line, so the doors look closed. Furniture, labels and dimensions are also thin lines.
-Walls are thick lines, or two lines with hatching between them. So hatching is filled (closing), and lines thinner than
-walls are removed (opening).
+Plans show a door as an arc and a line, so all doors look closed. Furniture, labels and dimensions are thin lines, too.
+Walls are thick lines, or two lines with hatching between them. So the hatching is filled (morphological closing), and
+lines thinner than walls are removed (morphological opening).
 
 Source: J. Serra, "Image Analysis and Mathematical Morphology", 1982 (opening and closing).
 """
@@ -20,35 +20,35 @@ from sim.common.traversability import Mask, Point
 from thbridge.offline.room_finding import FURNITURE, SPECK
 
 WIDTHS = (2, 3, 4, 6, 8, 12)
-"""Line widths that are tried in order, pixels."""
+"""Tested line widths, in this order, pixels."""
 REACHED = 0.9
-"""Share of reached floor above which a search for blocking lines is not needed."""
+"""Share of reached floor above which the search for blocking lines is skipped."""
 OPENED = 0.97
 """Share of the maximum connected floor over all widths.
 
-A width that reaches this share is used if no width connects nearly all floor.
+If no width connects nearly all floor, the first width that reaches this share is used.
 """
 WALLED = 0.8
-"""Share of the maximum floor inside over all widths. With a width below this share, walls were also removed."""
+"""Share of the maximum floor inside over all widths. A width with a smaller share has also removed walls."""
 CUSP = 4
-"""Maximum extent of filled spots between thin lines that are not walls, line widths."""
+"""Maximum extent of filled spots between thin lines that are not walls, as a multiple of the line width."""
 OPENING = 2.5
 """Maximum width of an opening to the outside that is an entrance or a window, meters."""
 PAPER = 0.9
 """Share of blank pixels on an image's border above which a plan has paper around it."""
 GAINED = 1.1
-"""Ratio of the floor inside with closed openings to that with open ones, above which a building counts as open."""
+"""Ratio of the floor inside with closed and with open openings, above which a building counts as open."""
 ROOM = 3.0
-"""Area of unreachable floor that is worth a report, square meters."""
+"""Minimum area of unreachable floor that is reported, square meters."""
 NEAR = 1.5
-"""Distance within which pieces of lines count as blocking the same path, meters."""
+"""Distance below which two pieces of lines count as blocking the same path, meters."""
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CleanedDrawing:
-    """Result of removing the thin lines from a plan.
+    """A plan without its thin lines.
 
     Attributes:
         grid: the plan without thin lines, and with filled hatching.
@@ -61,11 +61,11 @@ class CleanedDrawing:
 
 @dataclass(frozen=True, slots=True)
 class BlockedPaths:
-    """Thin lines that block the access to a part of a plan's floor.
+    """Thin lines that block the access to parts of a plan's floor.
 
     Attributes:
-        reached: share of the floor that robots reach while the lines exist.
-        thinner: width below which lines block the paths, pixels.
+        reached: share of the floor that robots can reach with these lines.
+        thinner: width of the blocking lines is below this number, pixels.
         places: places where lines block paths, map frame. Places between the largest pieces of floor come first.
     """
 
@@ -75,13 +75,13 @@ class BlockedPaths:
 
 
 def squared(pixels: NDArray[np.uint8], ratio: float) -> NDArray[np.uint8]:
-    """Return an image with square pixels, from an image with pixels that are `ratio` times as high as wide."""
+    """Return an image with square pixels. In the given image, the height of a pixel is `ratio` times its width."""
     rows = max(round(len(pixels) * ratio), 1)
     return pixels[np.minimum((np.arange(rows) / ratio).astype(np.int64), len(pixels) - 1)]
 
 
 def joined(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
-    """Return a gray image with the means of squares of `factor` by `factor` pixels. White is added at the edges."""
+    """Return a smaller gray image. Each pixel is the mean of `factor` x `factor` pixels. White is added at edges."""
     rows, cols = (-(-side // factor) * factor for side in pixels.shape)
     whole = np.pad(pixels, ((0, rows - len(pixels)), (0, cols - pixels.shape[1])), constant_values=pixels.max())
     means = whole.reshape(rows // factor, factor, cols // factor, factor).mean(axis=(1, 3))
@@ -89,19 +89,19 @@ def joined(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
 
 
 def turned(pixels: NDArray[np.uint8], degrees: float) -> NDArray[np.uint8]:
-    """Return a gray image rotated counterclockwise. It is enlarged as needed, with its brightest shade as paper."""
+    """Return a gray image rotated counterclockwise. If necessary, it is enlarged, with its brightest shade as paper."""
     if degrees % 90.0 == 0.0:
         return np.rot90(pixels, round(degrees / 90.0))
     return np.asarray(rotate(pixels, degrees, order=1, mode="constant", cval=float(pixels.max())), dtype=np.uint8)
 
 
 def without_thin_lines(grid: OccupancyGrid, thinner: int) -> CleanedDrawing:
-    """Remove lines and letters thinner than `thinner` pixels. Fill gaps between lines that are at most this wide.
+    """Remove lines and letters thinner than `thinner` pixels. Fill gaps between lines up to this width.
 
-    Spots that are filled only because two lines meet, such as the arcs of a double door, are also removed.
+    Also remove filled spots where two lines meet, for example the arcs of a double door.
     """
     ink: Mask = grid.cells != FREE
-    # Strokes of letters may be as thick as thin walls, so remove small things first.
+    # Strokes of letters may be as thick as thin walls. So remove small things first.
     solid = ink & ~_small_things(ink, minimum_filter(ink, 2 * thinner), FURNITURE / grid.resolution)
     across = 2 * thinner + 1
     filled: Mask = minimum_filter(maximum_filter(solid, across), across)
@@ -112,15 +112,15 @@ def without_thin_lines(grid: OccupancyGrid, thinner: int) -> CleanedDrawing:
 
 
 def _opened(mask: Mask, width: int) -> Mask:
-    """Return the cells that a square of this width can cover while it is completely within a mask."""
-    # A square with an even width has no middle cell. So an erosion that is shifted to one side needs a dilation that is
+    """Return the cells of a mask that a square of this width can cover without leaving the mask."""
+    # A square with an even width has no middle cell. So the erosion is shifted to one side, and the dilation must be
     # shifted to the other side.
     opened: Mask = maximum_filter(minimum_filter(mask, width), width, origin=-((width + 1) % 2))
     return opened
 
 
 def blocked_paths(grid: OccupancyGrid, inscribed: float) -> BlockedPaths | None:
-    """Find thin lines that block floor; None if nearly all floor is reached, or if thin lines are not the cause.
+    """Find thin lines that block floor. None if nearly all floor is reached, or if thin lines are not the cause.
 
     Args:
         grid: the plan.
@@ -143,11 +143,11 @@ def blocked_paths(grid: OccupancyGrid, inscribed: float) -> BlockedPaths | None:
 
 
 def reached_floor(grid: OccupancyGrid, inscribed: float) -> tuple[float, tuple[tuple[Point, float], ...]]:
-    """Return the share of a plan's floor that is connected for a robot with this inner radius (meters).
+    """Return the share of a plan's floor that is connected for a robot with this inner radius (meters), and the rest.
 
     Returns:
-        The share (0 without floor), and the middle (map frame) and size (square meters) of each other part that is at
-        least as large as a room, the largest part first.
+        The share (0 without floor). And the middle (map frame) and size (square meters) of each other part with at
+        least the size of a room, the largest part first.
     """
     areas, sizes = _closed_floors(grid, inscribed)
     parts = [number for number in np.argsort(-sizes)[1:] if sizes[number] * grid.resolution**2 >= ROOM]
@@ -167,8 +167,8 @@ def closed_to_outside(grid: OccupancyGrid, inscribed: float) -> tuple[OccupancyG
         inscribed: radius of the robot's inner circle, meters.
 
     Returns:
-        The plan, and the openings, map frame, the widest first. If the building is closed or has no paper around it,
-        the same plan and no openings.
+        The plan, and the openings (map frame), the widest opening first. If the building is closed or has no paper
+        around it, the unchanged plan and no openings.
     """
     outside = _outside(grid)
     if outside is None:
@@ -186,7 +186,7 @@ def closed_to_outside(grid: OccupancyGrid, inscribed: float) -> tuple[OccupancyG
 
 
 def _small_things(mask: Mask, solid: Mask, extent: float) -> Mask:
-    """Return the connected pieces of a mask that are at most `extent` cells large and contain no solid cell."""
+    """Return the connected pieces of a mask with an extent of at most `extent` cells and without solid cells."""
     things, _ = label(mask, structure=_TOUCHING)
     thick = np.zeros(int(things.max()) + 1, dtype=np.bool_)
     thick[np.unique(things[solid])] = True
@@ -198,12 +198,12 @@ def _small_things(mask: Mask, solid: Mask, extent: float) -> Mask:
 
 
 def _outside(grid: OccupancyGrid) -> Mask | None:
-    """Return the paper around a building: cells that a disc too wide for entrances reaches; None without paper."""
+    """Return the paper around a building, or None without paper. A disc that is wider than entrances can reach it."""
     free: Mask = grid.cells == FREE
     border = np.concatenate([free[0], free[-1], free[:, 0], free[:, -1]])
     if border.mean() < PAPER:
         return None
-    # Remove specks. Otherwise the ends of dimension lines would keep the disc away from a corner.
+    # Remove specks. Otherwise the disc could not pass the ends of dimension lines at a corner.
     free |= _small_things(~free, np.zeros_like(free), SPECK / grid.resolution)
     reach = OPENING / 2 / grid.resolution
     margin = math.ceil(reach) + 1
@@ -216,14 +216,14 @@ def _outside(grid: OccupancyGrid) -> Mask | None:
 
 
 def _closed_floors(grid: OccupancyGrid, inscribed: float) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
-    """Return the floor inside a plan after its openings are closed, numbered as in `_floors_inside`."""
+    """Return the floor inside a plan with closed openings, numbered as in `_floors_inside`."""
     return _floors_inside(closed_to_outside(grid, inscribed)[0], inscribed)
 
 
 def _floors_inside(grid: OccupancyGrid, inscribed: float) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
-    """Number connected floor inside the image's border, from 1.
+    """Return the number of the connected floor at each cell, from 1, inside the image's border.
 
-    Also return the counts of cells, with 0 for number 0.
+    Also return the number of cells of each connected floor, by its number.
     """
     labels, count = label(cells_away(grid.cells == FREE) * grid.resolution > inscribed)
     areas = np.asarray(labels, dtype=np.int32)
@@ -242,7 +242,7 @@ def _floors_inside(grid: OccupancyGrid, inscribed: float) -> tuple[NDArray[np.in
 def _closing(
     grid: OccupancyGrid, thin: Mask, areas: NDArray[np.int32], sizes: NDArray[np.int64], inscribed: float
 ) -> list[Point]:
-    """Return places of thin lines that separate two pieces of floor. Places between the largest pieces come first."""
+    """Return places of thin lines between two pieces of floor, ordered by the size of these pieces, largest first."""
     lines, _ = label(thin, structure=_TOUCHING)
     reach = math.ceil(inscribed / grid.resolution) + 2
     found: list[tuple[int, Point]] = []

@@ -1,4 +1,4 @@
-"""Drive of one robot to one goal on any map, with results from the ground truth."""
+"""Simulation of one robot that drives to one goal on any map. The results are from the ground truth."""
 
 import dataclasses
 import math
@@ -22,7 +22,7 @@ from sim.world.physics import Misplaced, World
 
 @dataclass(frozen=True, slots=True)
 class DriveTask:
-    """A drive from a start to a goal.
+    """A drive from a start pose to a goal pose.
 
     Attributes:
         start: pose of the base, map frame.
@@ -42,13 +42,13 @@ class DriveResult:
     """The result of a drive.
 
     Attributes:
-        reached: True if the robot reported that it stands at the goal.
-        collided: True if the robot's body ever touched a wall or an obstacle.
+        reached: True if the robot reported its arrival at the goal.
+        collided: True if the robot's body touched a wall or an obstacle.
         seconds: simulated seconds until the robot arrived or gave up.
-        distance: true distance driven, meters.
+        distance: true driven distance, meters.
         min_clearance: minimum true distance between the body's outline and walls or unmapped obstacles during the
-            drive, meters; inf without walls. Moving obstacles do not count.
-        reason: reason for not arriving, as a sentence; None if the robot arrived.
+            drive, meters. Infinite without walls. Moving obstacles do not count.
+        reason: sentence with the reason why the robot did not arrive, or None if it arrived.
     """
 
     reached: bool
@@ -69,21 +69,21 @@ def drive(
     schedule: Sequence[ScheduledInput] = (),
     parts: InstalledParts | None = None,
 ) -> DriveResult | Misplaced:
-    """Drive one robot alone to a goal. If it cannot stand at its start, return the reason.
+    """Drive a single robot to a goal. If its body does not fit at the start pose, return the reason.
 
     Args:
         grid: the map that the robot knows. Its origin may be rotated.
         world: bodies, motors and sensors.
-        robot: the software that drives.
+        robot: the robot's software.
         task: start and goal.
-        seed: seed of all random numbers.
-        true_grid: the true map, if it differs from the robot's map. It has the same origin.
+        seed: random seed.
+        true_grid: the true map, if it differs from the robot's map. Both maps have the same origin.
         schedule: obstacles that appear and vanish (`PutThing`, `RemoveThing`), map frame.
-        parts: installed parts that the software may name. If None, it may name no installed part.
+        parts: installed parts that the software may name. If None, the software must not name installed parts.
     """
     true_grid = true_grid or grid
     if grid.origin.theta != 0.0:
-        # Drive in the grid's own frame, where the map is not rotated. Lengths are the same there.
+        # Drive in the frame of the grid, in which the map is not rotated. Lengths do not change.
         in_grid = grid.origin.inverse()
         task = dataclasses.replace(task, start=in_grid.compose(task.start), goal=in_grid.compose(task.goal))
         schedule = [ScheduledInput(timed.tick, _moved(timed.input, in_grid)) for timed in schedule]
@@ -119,7 +119,7 @@ def drive(
 
 
 def _moved(event: TeamInput, by: Pose2) -> TeamInput:
-    """Return the event in another frame. Events without a place do not change."""
+    """Return the event in another frame. Events without a pose do not change."""
     if not isinstance(event, PutThing):
         return event
     thing = event.thing
@@ -160,7 +160,7 @@ class _Room:
             return
         nearest, _ = self._walls.query(pose[:2])
         # The circumscribed circles of body and cell give a lower bound for the distance. So the exact distance is
-        # needed for few cells only.
+        # necessary only for a few cells.
         around = self._radius + self._half * math.sqrt(2)
         if nearest - around >= self.least:
             return
@@ -172,8 +172,8 @@ class _Room:
 
 
 def _to_squares(body: FloatArray, centres: FloatArray, half: float) -> float:
-    """Return the meters from a polygon to the nearest of k squares with these centers; 0 if they overlap."""
-    # The shortest distance between two disjoint polygons is always from a corner of one to an edge of the other.
+    """Return the distance from a polygon to the nearest of k squares with these centers, meters. 0 for an overlap."""
+    # The shortest distance between two disjoint polygons is from a corner of one polygon to an edge of the other.
     beside = np.maximum(np.abs(body[:, np.newaxis] - centres) - half, 0.0)
     corners = centres[:, np.newaxis] + half * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)])
     ends = np.roll(body, -1, axis=0)

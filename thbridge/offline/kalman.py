@@ -8,9 +8,9 @@ from sim.robot.localization.estimate import Estimate
 
 
 class RecordedKalman(KalmanLocalizer):
-    """Kalman filter that reports an update for every scan that it examines, even if it rejects the scan.
+    """Kalman filter with an update for each examined scan, even if the filter rejects the scan.
 
-    The particle filter does the same. Otherwise a lost robot would have no updates.
+    The particle filter does the same. Without these updates, a lost robot would have none.
     """
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:

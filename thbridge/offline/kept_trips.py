@@ -1,4 +1,4 @@
-"""Trips of a stopped measurement, kept in a file next to its result so that another run can resume it."""
+"""File with the trips of a stopped measurement, next to its result. With this file, another run can resume."""
 
 import hashlib
 from collections.abc import Mapping
@@ -17,18 +17,18 @@ from thbridge.recording.append import append_whole
 LAYOUT = 1
 SUFFIX = ".trips"
 _LARGEST = 1 << 28
-_REMEDY = "Choose another file by --out, or make room"
+_REMEDY = "Choose another file with --out, or free some space"
 
 
 class _Head(msgspec.Struct):
-    """First line of the file: digest of everything on which the trips depend."""
+    """First line of the file: digest of all values that the trips depend on."""
 
     layout: int
     digest: str
 
 
 class _Line(msgspec.Struct):
-    """Line of a trip. Room numbers start at 1; 0 is the corridor."""
+    """Line of a trip. Room numbers start at 1. Number 0 is the corridor."""
 
     start: int
     goal: int
@@ -38,12 +38,12 @@ class _Line(msgspec.Struct):
 
 
 def kept_path(result: Path) -> Path:
-    """Return the path of the file next to a result."""
+    """Return the path of the file with the trips for a result."""
     return result.with_name(f"{result.name}{SUFFIX}")
 
 
 def digest_of(course: MeasurementSetup, versions: Mapping[str, str]) -> str:
-    """Return a digest of everything on which trips depend: map, world, robot, seed, and versions of programs."""
+    """Return a digest of all values that trips depend on: map, world, robot, seed, and versions of programs."""
     place = course.place
     grid = place.grid
     depends = (
@@ -62,14 +62,14 @@ def digest_of(course: MeasurementSetup, versions: Mapping[str, str]) -> str:
 
 
 class KeptTrips:
-    """The trips of an unfinished measurement. As a context manager, it closes the file.
+    """The trips of an unfinished measurement. Leaving the context closes the file.
 
     Args:
         result: file of the measurement's result.
-        digest: digest of everything on which the trips depend. Trips with another digest are dropped.
+        digest: digest of all values that the trips depend on. Trips with another digest are dropped.
 
     Attributes:
-        done: the kept trips.
+        done: the finished trips.
         dropped: True if trips with another map or other settings were dropped.
 
     Raises:
@@ -88,7 +88,7 @@ class KeptTrips:
             if not text or self.dropped:
                 append_whole(self._file, head, synced=False)
                 return
-            # The program was killed while it wrote this line, so skip it.
+            # A killed program left an incomplete last line. End this line; readers skip it.
             if not text.endswith(b"\n"):
                 append_whole(self._file, b"\n", synced=False)
             kept = (_trip_in(line) for line in text[len(head) :].splitlines())
@@ -97,7 +97,7 @@ class KeptTrips:
             raise self._unusable(error) from None
 
     def add(self, result: TripResult) -> None:
-        """Keep a trip. Raise BadFile if it cannot be written."""
+        """Add a trip to the file. Raise BadFile if the file cannot be written."""
         trip = result.trip
         line = _Line(trip.start.people, trip.goal.people, trip.run, result.seconds, result.refusal)
         try:
@@ -125,7 +125,7 @@ class KeptTrips:
 
 
 def _trip_in(line: bytes) -> TripResult | None:
-    """Return the trip of a line; None if the line is incomplete or damaged."""
+    """Return the trip in a line, or None if the line is incomplete or damaged."""
     try:
         read = msgspec.json.decode(line, type=_Line)
         trip = RoomTrip(Room(read.start), Room(read.goal), read.run)

@@ -19,9 +19,9 @@ class Laser:
     """Converter of the scans of one laser.
 
     Attributes:
-        mount: pose of the laser on the base, and the beams of its first scan. They are used for all scans.
+        mount: pose of the laser on the base, and the beams of the first scan. All scans are converted to these beams.
         first: the first scan.
-        upside_down: True if the beams turn clockwise, seen from above.
+        upside_down: True if the angles of the beams increase clockwise, seen from above.
     """
 
     mount: LaserMount
@@ -30,7 +30,7 @@ class Laser:
 
     @classmethod
     def of(cls, first: LaserScan, mounting: PlanarMount) -> "Laser":
-        """Make the converter for a laser with this first usable scan (see `usable`) and this mounting."""
+        """Return the converter for a laser, given its first usable scan (see `usable`) and its mounting."""
         sign = -1.0 if mounting.upside_down else 1.0
         range_min = first.range_min if first.range_min > 0.0 else 0.0
         range_max = first.range_max
@@ -50,16 +50,16 @@ class Laser:
     def scan(self, tick: int, read: LaserScan) -> Scan:
         """Convert a scan message of this laser.
 
-        Readings outside the laser's range become +inf (nothing seen), as in amcl. If the beams of a scan differ from
-        the beams of the first scan, each beam gets the reading of the nearest one. A beam without a near one is lost
-        (NaN).
+        Readings outside the laser's range become +inf (no obstacle), as in amcl. If the beams of a scan differ from the
+        beams of the first scan, each beam gets the reading of the nearest beam. If no beam is near, the reading is
+        missing (NaN).
         """
         ranges = read.ranges if self.same_beams(read) else self._nearest(read)
         nothing = (ranges >= self.mount.range_max) | (ranges <= self.mount.range_min)
         return Scan(tick, self.mount, np.where(nothing, np.float32(np.inf), ranges))
 
     def same_beams(self, read: LaserScan) -> bool:
-        """Return True if a scan has the beams of the first scan, within a tenth of the angle between two beams."""
+        """Return True if a scan's beams differ from the first scan's by at most a tenth of the angle between beams."""
         first = self.first
         if len(read.ranges) != len(first.ranges):
             return False
@@ -80,7 +80,7 @@ class Laser:
 
 
 def increment_of(scan: LaserScan) -> float:
-    """Return the angle between two beams; 0 if the message does not contain it."""
+    """Return the angle between two beams, or 0 if the message does not contain it."""
     if scan.angle_increment != 0.0 and math.isfinite(scan.angle_increment):
         return scan.angle_increment
     spread = (scan.angle_max - scan.angle_min) / max(1, len(scan.ranges) - 1)

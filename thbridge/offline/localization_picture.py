@@ -15,16 +15,16 @@ from thbridge.offline.map_picture import grid_bounds, map_figure, picture_settin
 _TRACKED = "#0072B2"
 _LOST = "#D55E00"
 _JUMP = 1.0
-"""Distance between two updates above which the line has a gap, because the pose has jumped, meters."""
+"""Distance between two updates above which the path has a gap, meters. Such a large distance is a jump of the pose."""
 _MARGIN = 5.0
 """Margin of the map around the path, meters.
 
-The rest of the map is not shown, because large parts of many maps are unknown.
+The other parts of the map are not shown, because large parts of many maps are unknown.
 """
 
 
 def localization_picture(result: LocalizationResult, grid: OccupancyGrid, title: str) -> Figure:
-    """Draw the path of a localization, which must have at least one update. The same result gives the same picture."""
+    """Draw the path of a localization with at least one update. The same result gives the same picture."""
     poses = np.array([update.base_in_map.array() for update in result.updates])
     lost = np.array([update.lost for update in result.updates])
     jumps = np.abs(np.diff(poses[:, :2], axis=0)).max(axis=1, initial=0.0) > _JUMP
@@ -45,7 +45,7 @@ def localization_picture(result: LocalizationResult, grid: OccupancyGrid, title:
 
 
 def _view(places: FloatArray, grid: OccupancyGrid) -> FloatArray:
-    """Return (2, 2) minimum and maximum x and y of the view: the path with a margin, but no more than the map."""
+    """Return (2, 2) minimum and maximum x and y of the view: the path with a margin, limited to the map."""
     low, high = grid_bounds(grid)
     least, greatest = places.min(axis=0), places.max(axis=0)
     low = np.maximum(np.minimum(low, least), least - _MARGIN)

@@ -1,7 +1,7 @@
-"""Updates of a localization as rows.
+"""Updates of a localization as rows of text files.
 
-A row has the pose, its covariance, the agreement of map and scan, True if the robot was lost, and the probability that
-the pose is wrong.
+A row has the pose, the pose's covariance, the agreement of map and scan, true if the robot was lost, and the
+probability of a wrong pose.
 """
 
 import csv
@@ -34,14 +34,14 @@ probability 0 to 1, or empty if the filter does not compute it."""
 
 
 class UpdatesFormat(StrEnum):
-    """File format of updates, given by the suffix of a file."""
+    """File format of updates. The suffix of a file determines the format."""
 
     CSV = "csv"
     JSON_LINES = "jsonl"
 
 
 def updates_text(updates: Iterable[FilterUpdate], kind: UpdatesFormat) -> str:
-    """Return all updates, one per line; CSV starts with a line of names."""
+    """Return all updates, one per line. The first line of CSV has the names of the columns."""
     rows = (_row(update) for update in updates)
     if kind is UpdatesFormat.JSON_LINES:
         return "".join(f"{json.dumps(row)}\n" for row in rows)

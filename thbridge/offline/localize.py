@@ -1,4 +1,4 @@
-"""Localization in a recording."""
+"""Localization of a robot in a recording."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
@@ -38,10 +38,10 @@ class FilterUpdate:
         stamp_ns: stamp of the scan.
         base_in_map: the estimated pose.
         covariance: (3, 3) covariance of x, y, theta.
-        agreement: share of the scan that the map explains from this pose, 0 to 1. None if the filter did not compute
+        agreement: share of the scan that the map explains from this pose, 0 to 1. None if the filter does not compute
             it.
-        lost: True if the filter reported that the robot is lost.
-        p_wrong: probability that the pose is wrong, see `Estimate`. None if the filter did not compute it.
+        lost: True if the filter reported that the robot was lost.
+        p_wrong: probability of a wrong pose, see `Estimate`. None if the filter does not compute it.
     """
 
     stamp_ns: int
@@ -77,9 +77,10 @@ class LocalizationResult:
         scans: number of scans given to the filter. The filter ignores scans after too little motion.
         skipped: number of skipped scans, by reason.
         cpu_seconds: processor time of the filter's updates, without reading the bag.
-        scan_faults: changes of the scans' clock, and scans with stamps that do not fit those of the others.
-        unstamped: number of scans with a stamp of 0. For these, the time of recording is used.
-        time_offset: offset of odometry to scans, by the original stamps of `odometry`. None if it cannot be found.
+        scan_faults: changes of the scans' clock, and scans with stamps that do not match the stamps of other scans.
+        unstamped: number of scans with a stamp of 0. For these scans, the time of recording is used.
+        time_offset: offset between odometry and scans, from the original stamps of `odometry`. None if it cannot be
+            estimated.
     """
 
     updates: tuple[FilterUpdate, ...]
@@ -120,7 +121,7 @@ def localize(
     progress: Callable[[], None],
     headings: ScanHeadings | None = None,
 ) -> LocalizationResult | RequestRefused:
-    """Localize a robot in a recording.
+    """Localize a robot in a recording. If no scan is usable, return the reason.
 
     Each scan is used with the odometry at its stamp. amcl gets this odometry from tf.
 
@@ -130,8 +131,9 @@ def localize(
         odometry: odometry of the whole recording.
         scans: scans in the order of recording.
         clock: clock of processor time, seconds.
-        progress: function that is called once for each scan.
-        headings: receiver of scans while the robot is not lost, for the time offset. If None, no offset is estimated.
+        progress: function without arguments that is called for each scan.
+        headings: object that receives the scans of a robot that is not lost, for the time offset. If None, the offset
+            is not estimated.
     """
     updates: list[FilterUpdate] = []
     skipped: Counter[SkipReason] = Counter()
@@ -162,7 +164,7 @@ def localize(
         given += 1
         scan = laser.scan(tick, read.scan)
         started = clock()
-        # The tick is the number of the scan and not its time, because the tick is the key of the filter's random
+        # The tick is the number of the scan instead of its time, because the tick is the key of the filter's random
         # numbers.
         last = localizer.update(Odometry(tick, base_in_odom, STANDSTILL), Imu(tick, 0.0), scan)
         cpu_seconds += clock() - started
@@ -173,7 +175,7 @@ def localize(
             updates.append(FilterUpdate(read.stamp_ns, *told))
     if last is None:
         reasons = ", ".join(f"{count} {reason}" for reason, count in skipped.items())
-        return RequestRefused("no-usable-scan", f"No scan could be used: {reasons or 'there are none'}.")
+        return RequestRefused("no-usable-scan", f"No scan could be used: {reasons or 'the recording has no scans'}.")
     offset = headings.time_offset(odometry) if headings is not None else None
     faults = _faults_of(stamps)
     return LocalizationResult(tuple(updates), last, given, dict(skipped), cpu_seconds, faults, unstamped, offset)

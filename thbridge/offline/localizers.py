@@ -13,7 +13,7 @@ from sim.robot.localization.amcl import Amcl
 from sim.robot.localization.estimate import Localizer
 
 ROBOT = "robot1"
-"""Key of the filter's random stream. One key is enough, because a bag's topic has the scans of only one robot."""
+"""Key of the filter's random stream. One key is enough, because a topic has the scans of only one robot."""
 
 
 def recorded_localizer(
@@ -24,15 +24,15 @@ def recorded_localizer(
     seed: int,
     parts: InstalledParts | None = None,
 ) -> Localizer:
-    """Make the localizer that `software.localization` names: `amcl`, `ekf`, `ukf`, or an installed one.
+    """Return the localizer that `software.localization` names: `amcl`, `ekf`, `ukf`, or an installed localizer.
 
     Args:
         software: the parameters.
         grid: the map.
         mount: the laser.
-        start: pose of the robot at the beginning. If None, the robot may be anywhere.
+        start: start pose of the robot. If None, the robot may be at any place on the map.
         seed: random seed of the particle filter.
-        parts: installed parts that the software may name. If None, it may name no installed part.
+        parts: installed parts that the software may name. If None, the software must not name installed parts.
     """
     localizer: Localizer
     first: AmclParameters | EkfParameters
@@ -53,10 +53,10 @@ def recorded_localizer(
 
 
 def warm_up(localizer: Localizer, software: RobotParameters, scan: Scan) -> None:
-    """Compile all code that updates need, by running a filter that is not used otherwise.
+    """Compile all code for updates by running a filter whose results are not used.
 
     Args:
-        localizer: a filter that is made and initialized like the measured one.
+        localizer: a filter with the same type and initialization as the measured filter.
         software: parameters of the filter.
         scan: any scan of the same laser.
     """

@@ -19,7 +19,7 @@ from thbridge.offline.map_survey import MapSurvey
 _SHADES = ListedColormap(["#ffffff", "#1f2933", "#d5dae0"])
 """Colors of free, occupied and unknown cells."""
 _TINTS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31")
-"""Colors of rooms, used in turn: the colors of Okabe and Ito, then two darker ones."""
+"""Colors of rooms, used in turn: six colors of Okabe and Ito, then two darker colors."""
 _DOOR = "#B2182B"
 _INK = "#1f2933"
 _WIDTH = 10.0
@@ -31,7 +31,7 @@ _ARROW = 0.4
 
 
 def picture_settings() -> AbstractContextManager[None]:
-    """Return Matplotlib settings with which a picture is the same on all machines."""
+    """Return Matplotlib settings that give the same picture on all machines."""
     return mpl.rc_context({"font.family": "DejaVu Sans", "font.size": _SIZE, "svg.hashsalt": "thbridge"})
 
 
@@ -67,7 +67,7 @@ def map_picture(seen: MapSurvey) -> Figure:
 
 
 def _fitting(label: str, width: float) -> float:
-    """Return the font size (points) at which a label fits the width of a room (inches), at least a readable one."""
+    """Return the font size (points) for a label in a room of this width (inches), limited to readable sizes."""
     across = 0.7 * max(len(line) for line in label.splitlines())
     return float(np.clip(72.0 * width / across, _SMALLEST, _SIZE))
 

@@ -1,4 +1,4 @@
-"""Statistics of a map: size and floor, rooms with areas and doors, and places that robots reach."""
+"""Statistics of a map: size and floor, rooms with areas and doors, and places that robots can reach."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,23 +15,23 @@ from thbridge.files.map_files import FOOTPRINT, Map, MapRoom
 from thbridge.hunt.rooms import Room
 
 Owners = NDArray[np.int32]
-"""(rows, cols) number of the room that contains each cell's center; 0 is the corridor."""
+"""(rows, cols) number of the room that contains the cell's center. Number 0 is the corridor."""
 
 GAP = 0.6
-"""Maximum area of floor between two outlines that counts as the sill of a door and not as a corridor, square meters."""
+"""Maximum area of the sill of a door, square meters. A larger area of floor between two outlines is a corridor."""
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
 
 @dataclass(frozen=True, slots=True)
 class Doorway:
-    """An opening between a room and the corridor or another room. A robot fits through it.
+    """An opening between a room and the corridor or another room. A robot fits through the opening.
 
     Attributes:
         room: the room. Between two rooms, this is the room with the lower number.
         beyond: the room on the other side, or the corridor.
         x: x of the opening's middle, map frame, meters.
-        y: y of the opening's middle.
+        y: y of the opening's middle, map frame, meters.
         width: width of the opening, meters.
     """
 
@@ -58,8 +58,8 @@ class MapSurvey:
     Attributes:
         place: the map.
         free: share of free cells.
-        occupied: share of occupied cells. All other cells are unknown.
-        rooms: the rooms in the order of their numbers.
+        occupied: share of occupied cells. Cells that are neither free nor occupied are unknown.
+        rooms: the rooms, in the order of their numbers.
         pairs: number of ordered pairs of different places. The first place is a room or the corridor (at start 1), the
             second place is a room.
         reachable: number of pairs with a path for a robot.
@@ -79,7 +79,12 @@ class MapSurvey:
 
 
 def survey(place: Map, footprint: Polygon = FOOTPRINT) -> MapSurvey:
-    """Measure a map, which may have faults. `footprint` has the corners of robots in their own frame, meters."""
+    """Return the statistics of a map. The map may have faults.
+
+    Args:
+        place: the map.
+        footprint: corners of a robot in its own frame, meters.
+    """
     grid = place.grid
     floor = TraversabilityMap.of(grid, *radii(np.array(footprint)))
     owners = owners_of(place, floor)
@@ -110,7 +115,7 @@ def survey(place: Map, footprint: Polygon = FOOTPRINT) -> MapSurvey:
 
 
 def owners_of(place: Map, floor: TraversabilityMap) -> Owners:
-    """Return the room of every cell. Where regions overlap, the later region is used."""
+    """Return the room of every cell. If regions overlap, use the later region."""
     owners = np.zeros(place.grid.cells.shape, dtype=np.int32)
     for entry in place.rooms:
         box, held = floor.held_by(entry.region)
@@ -119,10 +124,10 @@ def owners_of(place: Map, floor: TraversabilityMap) -> Owners:
 
 
 def doorways(floor: TraversabilityMap, owners: Owners, footprint: Polygon = FOOTPRINT) -> Iterator[Doorway]:
-    """Yield the openings of rooms, ordered by room, then by the room beyond, then by place.
+    """Yield the openings of rooms, ordered by room, then by the room beyond, then by position.
 
-    An opening is a connected row of free cells on one side that touch free cells on the other side. A robot fits
-    through if one of these cells has enough clearance for the robot's inscribed circle.
+    An opening is a connected group of free cells on one side that touch free cells on the other side. A robot fits
+    through the opening if one of these cells has enough clearance for the robot's inscribed circle.
     """
     grid = floor.grid
     inscribed, _ = radii(np.array(footprint))
@@ -150,7 +155,7 @@ def doorways(floor: TraversabilityMap, owners: Owners, footprint: Polygon = FOOT
 
 
 def _without_gaps(owners: Owners, free: Mask, resolution: float) -> Owners:
-    """Return owners without small gaps. Floor that is too small for a corridor is assigned to the nearest room."""
+    """Return the rooms of cells. Floor without a room that is too small for a corridor gets the nearest room."""
     labels, _ = label(free & (owners == 0))
     small = np.bincount(labels.ravel()) * resolution**2 < GAP
     small[0] = False
@@ -164,7 +169,7 @@ def _without_gaps(owners: Owners, free: Mask, resolution: float) -> Owners:
 
 
 def _beside(mask: Mask) -> Mask:
-    """Return the cells next to a cell of the mask: above, below, left or right."""
+    """Return the cells directly above, below, left or right of a cell of the mask."""
     padded = np.pad(mask, 1)
     beside: Mask = padded[:-2, 1:-1] | padded[2:, 1:-1] | padded[1:-1, :-2] | padded[1:-1, 2:]
     return beside

@@ -1,4 +1,4 @@
-"""Measurement of travel times between rooms, for a `mapTimes` file."""
+"""Measurement of travel times between rooms for a `mapTimes` file."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -16,18 +16,18 @@ from thbridge.files.map_files import Map
 from thbridge.hunt.rooms import Room
 
 LIMIT = 3600.0
-"""Simulated seconds after which a trip ends. Normally the navigator gives up much earlier."""
+"""Simulated seconds after which a trip ends. Usually, the navigator gives up much earlier."""
 
 
 @dataclass(frozen=True, slots=True)
 class MeasurementSetup:
-    """The map, world and robot with which trips are measured.
+    """The map, world and robot of a measurement.
 
     Attributes:
         place: the map.
         world: bodies, motors and sensors.
-        robot: the software that drives.
-        seed: seed of all random numbers.
+        robot: the robot's software.
+        seed: random seed.
         parts: installed parts that the software may name.
     """
 
@@ -40,10 +40,10 @@ class MeasurementSetup:
 
 @dataclass(frozen=True, slots=True, order=True)
 class RoomTrip:
-    """One drive from the goal pose of room `start` to that of room `goal`.
+    """One drive from the goal pose of room `start` to the goal pose of room `goal`.
 
-    If `start` is the corridor, run 0 starts at the map's first start pose, run 1 at the second, and so on. The number
-    of the run also selects the noise.
+    If `start` is the corridor, run 0 starts at the map's first start pose, run 1 at the second start pose, and so on.
+    The number of the run also determines the noise.
     """
 
     start: Room
@@ -53,7 +53,7 @@ class RoomTrip:
 
 @dataclass(frozen=True, slots=True)
 class TripResult:
-    """Result of a trip: simulated seconds, or the reason for giving up as a sentence."""
+    """Result of a trip: simulated seconds, or a sentence with the reason why the robot did not arrive."""
 
     trip: RoomTrip
     seconds: float | None
@@ -78,17 +78,17 @@ class TripTimes:
 
     @property
     def mean(self) -> float | None:
-        """Mean simulated seconds; None if no trip arrived."""
+        """Mean simulated seconds, or None if no trip arrived."""
         return fmean(self.seconds) if self.seconds else None
 
     @property
     def deviation(self) -> float | None:
-        """Sample standard deviation of the seconds; None if fewer than two trips arrived."""
+        """Sample standard deviation of the seconds, or None if fewer than two trips arrived."""
         return stdev(self.seconds) if len(self.seconds) > 1 else None
 
 
 def trips(place: Map, runs: int) -> Iterator[RoomTrip]:
-    """Yield all trips of a measurement: from the corridor and every room to every other room, `runs` times each."""
+    """Yield all trips of a measurement: from the corridor and every room to every other room, each `runs` times."""
     rooms = [entry.room for entry in place.rooms]
     for run in range(runs):
         for start in [Room(0), *rooms]:
@@ -98,7 +98,7 @@ def trips(place: Map, runs: int) -> Iterator[RoomTrip]:
 
 
 def drive(course: MeasurementSetup, trip: RoomTrip) -> TripResult:
-    """Drive one trip, with one robot alone on the map."""
+    """Drive one trip with a single robot on the map."""
     place = course.place
     starts = place.starts
     start = starts[trip.run % len(starts)] if trip.start.is_corridor else place.rooms[trip.start.people - 1].goal

@@ -1,4 +1,4 @@
-"""Effects of noise, for drawings: spread of odometry, spread of a particle filter without scans, a noisy laser scan.
+"""Effects of noise for drawings: spread of odometry, spread of a particle filter without scans, a noisy laser scan.
 
 The models are those of the simulation: `sim.world.physics` for odometry, `sim.robot.localization.motion` for amcl, and
 `sim.world.sensors` for the laser. Seeds are fixed, so that two drawings differ only by the changed parameters.
@@ -37,17 +37,17 @@ CourseShape = Literal["straight", "square"]
 STRAIGHT = 10.0
 """Length of the straight course, meters."""
 SIDE = 2.5
-"""Side of the square course, meters. This course is as long as the straight one."""
+"""Side of the square course, meters. Both courses have the same length."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PathSpread:
-    """Many random paths of one drive.
+    """Random paths of one drive, and the spread of their ends.
 
     Attributes:
         driven: (k, 2) path without noise, meters. It starts at the origin, along x.
         paths: (n, k, 2) paths with noise.
-        centre: (2,) mean of the paths' ends.
+        centre: (2,) mean of the ends of the paths.
         ellipse: (m, 2) outline of the 95 % ellipse of the ends.
         along: longer half axis of the ellipse, meters.
         across: shorter half axis of the ellipse, meters.
@@ -62,13 +62,13 @@ class PathSpread:
 
 
 def odometry_spread(noise: OdometryNoise, course: CourseShape, speed: float, turn: float) -> PathSpread:
-    """Return paths that odometry reports for a robot that drives a course exactly.
+    """Return paths in the odometry of a robot that drives exactly along a course.
 
     Args:
         noise: the true noise of the wheels' odometry.
-        course: 10 m straight, or once around a square of 2.5 m.
-        speed: driving speed, m/s. The error of a tick is proportional to its distance. So in a slow drive with many
-            ticks, errors average out more.
+        course: 10 m straight, or once around a square with sides of 2.5 m.
+        speed: driving speed, m/s. The error in a tick is proportional to the driven distance. So in a slow drive with
+            many ticks, more errors cancel each other.
         turn: rotation speed in place, rad/s.
     """
     movements = _movements(course, speed, turn)
@@ -78,7 +78,7 @@ def odometry_spread(noise: OdometryNoise, course: CourseShape, speed: float, tur
 
 
 def belief_spread(amcl: AmclParameters, course: CourseShape, speed: float, turn: float) -> PathSpread:
-    """Return paths of amcl's particles without scans, for odometry that reports a course exactly.
+    """Return paths of amcl's particles without scans, for odometry that is exactly on a course.
 
     Args:
         amcl: motion model, alphas, and minimum motion between two updates.
@@ -120,7 +120,7 @@ def _in_ticks(distance: float, half: float, seconds: float) -> FloatArray:
 
 @lru_cache(maxsize=4)
 def _draws(ticks: int) -> FloatArray:
-    """Return (n, ticks, 3) standard normals. They do not depend on the parameters, so that drawings are comparable."""
+    """Return (n, ticks, 3) standard normal numbers. They do not depend on parameters, so drawings are comparable."""
     keys = np.array([key(SEED, "fan", f"path{i + 1}") for i in range(PATHS)], dtype=np.uint64)
     draws = np.empty((PATHS, ticks, 3))
     for i in range(PATHS):
@@ -136,7 +136,7 @@ def _draw(key: np.uint64, out: FloatArray) -> None:
 
 @njit(cache=True, nogil=True)
 def _reported(movements: FloatArray, draws: FloatArray, wheels: WheelNoise, stride: int) -> FloatArray:
-    """Return (n, k, 2) positions of n robots by odometry: at the start, every `stride` ticks, and at the end."""
+    """Return (n, k, 2) positions of n robots in odometry: at the start, every `stride` ticks, and at the end."""
     ticks = movements.shape[0]
     kept = 1 + (ticks + stride - 1) // stride
     paths = np.zeros((draws.shape[0], kept, 2))
@@ -155,7 +155,7 @@ def _reported(movements: FloatArray, draws: FloatArray, wheels: WheelNoise, stri
 
 @njit(cache=True)
 def _poses(movements: FloatArray) -> FloatArray:
-    """Return (k + 1, 3) poses of a robot that makes these movements exactly."""
+    """Return (k + 1, 3) poses of a robot with exactly these movements."""
     poses = np.zeros((movements.shape[0] + 1, 3))
     for tick in range(movements.shape[0]):
         chord, half = movements[tick]
@@ -183,9 +183,9 @@ class RoomScan:
     Attributes:
         walls: (k, 2, 2) ends of the lines that represent walls.
         laser: (2,) position of the laser.
-        true: (m, 2) true ends of the beams that end within range.
+        true: (m, 2) true ends of the beams that hit a wall within range.
         seen: (j, 2) ends of the beams in the noisy scan.
-        lost: number of beams that end within range but have no reading.
+        lost: number of beams that hit a wall within range but have no reading.
         beams: number of beams.
     """
 
@@ -247,7 +247,7 @@ def _sweep(world: WorldParameters) -> Scan:
 
 
 def _ends(laser: FloatArray, theta: float, scan: Scan) -> FloatArray:
-    """Return (m, 2) ends of the beams; not finite for beams without a reading."""
+    """Return (m, 2) ends of the beams. Ends of beams without a reading are not finite."""
     angles = theta + scan.mount.angles()
     ranges = scan.ranges.astype(np.float64)
     with np.errstate(invalid="ignore"):
@@ -257,7 +257,7 @@ def _ends(laser: FloatArray, theta: float, scan: Scan) -> FloatArray:
 
 @lru_cache(maxsize=1)
 def _room() -> OccupancyGrid:
-    """Return the grid of the room. Walls are one cell thick. Behind the door is the far wall of another room."""
+    """Return the grid of the room. Walls are one cell thick. Behind the door, there is the far wall of another room."""
     cells = np.full((82, 162), FREE, dtype=np.int8)
     cells[0, :] = cells[-1, :] = cells[:, 0] = cells[:, -1] = OCCUPIED
     # The outer walls are one cell outside the room, so that their inner faces are at 0 and 6 m, 0 and 4 m.
@@ -268,10 +268,10 @@ def _room() -> OccupancyGrid:
 
 
 def covered(true: PathSpread, believed: PathSpread) -> float:
-    """Return the share of the true ends within the 95 % ellipse of the belief.
+    """Return the share of the true ends inside the 95 % ellipse of the filter.
 
-    The two spreads are mirror images. In `true`, the robot is on the course and its odometry is not. In `believed`,
-    odometry is on the course and the robot is not. Over such short distances, the errors are the same.
+    The two spreads are mirror images. In `true`, the robot is on the course, but its odometry is not. In `believed`,
+    odometry is on the course, but the robot is not. For such short distances, the errors are equal.
     """
     spread = np.cov(believed.paths[:, -1].T) + 1e-12 * np.eye(2)
     off = believed.centre - believed.driven[-1] - (true.paths[:, -1] - true.driven[-1])

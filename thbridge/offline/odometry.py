@@ -14,11 +14,11 @@ from thbridge.ros.odometry_faults import MissedMotion, OdometryRun, OdometrySamp
 LONGEST_GAP_NS = 1_000_000_000
 """Maximum time between two odometry messages for interpolation between them."""
 REACH_NS = 100_000_000
-"""Maximum extrapolation before the first and after the last message, as amcl's transform_tolerance."""
+"""Maximum time of extrapolation before the first and after the last message, similar to amcl's transform_tolerance."""
 
 
 def _pose_at(run: OdometryRun, stamp_ns: int) -> Pose2 | None:
-    """Return the pose at a time, interpolated linearly; None if the nearest samples are too far away."""
+    """Return the pose at a time, interpolated linearly, or None if no sample is near this time."""
     stamps, poses = run.stamps, run.poses
     if not stamps[0] - REACH_NS <= stamp_ns <= stamps[-1] + REACH_NS:
         return None
@@ -37,15 +37,15 @@ def _pose_at(run: OdometryRun, stamp_ns: int) -> Pose2 | None:
 
 
 class OdometryTrack:
-    """All odometry of a recording without faults (`odometry_faults`).
+    """All odometry of a recording. Faults are removed; see `odometry_faults`.
 
-    Messages may come in any order. A new run starts where the clock was changed. For a scan, the run that was recorded
-    at the same time is used.
+    Messages may be in any order. A new run starts at each change of the clock. For a scan, the run that was recorded at
+    the same time is used.
 
     Attributes:
-        faults: faults that were removed, or runs that were joined.
+        faults: removed faults and joined runs.
         begin_ns: time of recording of the first sample.
-        unstamped: number of samples with a stamp of 0. For these, the time of recording is used.
+        unstamped: number of samples with a stamp of 0. For these samples, the time of recording is used.
     """
 
     def __init__(self, samples: Iterable[OdometrySample], max_speed: float | None = None) -> None:
@@ -61,7 +61,7 @@ class OdometryTrack:
         self._runs, self._missed = sound.runs, sound.missed
 
     def later(self, seconds: float) -> "OdometryTrack":
-        """Return the track with stamps that are `seconds` later, for odometry that leads the scans by this time."""
+        """Return the track with stamps that are `seconds` later, for odometry that is ahead of the scans."""
         shift = round(seconds * 1e9)
         moved = copy(self)
         moved._runs = tuple(replace(run, stamps=run.stamps + shift) for run in self._runs)
@@ -69,7 +69,7 @@ class OdometryTrack:
 
     @property
     def longest_run(self) -> OdometryRun | None:
-        """The run with the most poses; None without poses."""
+        """The run with the largest number of poses, or None without poses."""
         return max(self._runs, key=lambda run: len(run.stamps), default=None)
 
     def __len__(self) -> int:
@@ -77,11 +77,11 @@ class OdometryTrack:
         return sum(len(run.stamps) for run in self._runs)
 
     def missed(self, since_ns: int, until_ns: int) -> tuple[MissedMotion, ...]:
-        """Return motions that the odometry does not report, recorded after `since_ns` but not after `until_ns`."""
+        """Return motions that are missing in the odometry and were recorded after `since_ns` and up to `until_ns`."""
         return tuple(each for each in self._missed if since_ns < each.received_ns <= until_ns)
 
     def at(self, stamp_ns: int, received_ns: int) -> Pose2 | None:
-        """Return the pose of the base in odom; None if no odometry is near this time.
+        """Return the pose of the base in odom, or None if no odometry is near this time.
 
         Args:
             stamp_ns: time of the pose.

@@ -1,4 +1,4 @@
-"""Path planning on any map, for a round robot without sensors."""
+"""Path planning for a round robot on any map, without sensors."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -28,10 +28,10 @@ class PlanResult:
 
     Attributes:
         found: True if there is a path.
-        length: length of the path, meters; None without a path.
+        length: length of the path, meters, or None without a path.
         milliseconds: planning time, without compilation.
-        reason: reason for the missing path, as a sentence; None if there is a path.
-        code: code of the reason, for programs.
+        reason: sentence with the reason why there is no path, or None if there is a path.
+        code: code of the reason, for programs, or None if there is a path.
     """
 
     found: bool
@@ -47,7 +47,7 @@ def costmap(grid: OccupancyGrid, radius: float, inflation: float) -> Costs:
     Args:
         grid: the map.
         radius: radius of the robot, meters.
-        inflation: inflation radius, meters. It is increased to `radius` if it is smaller.
+        inflation: inflation radius, meters. If it is smaller than `radius`, `radius` is used.
     """
     parameters = InflationParameters(
         inflation_radius=max(inflation, radius), cost_scaling_factor=_COSTMAP.inflation_layer.cost_scaling_factor
@@ -74,16 +74,16 @@ def plan(
         queries: (n, 4) x and y of the start, x and y of the goal, map frame, meters; n at least 1.
         radius: see `costmap`.
         inflation: see `costmap`.
-        algorithm: order in which navfn visits cells: "navfn" for Dijkstra's, "astar" for that of A*.
+        algorithm: order in which navfn visits cells: "navfn" for Dijkstra's order, "astar" for the order of A*.
         seconds: clock that measures planning times, seconds.
     """
     planner = PotentialPlanner(Navfn(NavfnParameters(use_astar=algorithm == "astar")))
     costs = costmap(grid, radius, inflation)
-    # Planners need maps that are not rotated, so queries are converted to the grid's own frame.
+    # Planners need maps without rotation, so queries are converted to the frame of the grid.
     to_grid = grid.origin.inverse()
     ends = np.column_stack([to_grid.transform(queries[:, :2]), to_grid.transform(queries[:, 2:])]).tolist()
     frame = CostFrame(0.0, 0.0, grid.resolution)
-    # Compilation and first allocations are not part of the planning times.
+    # This first plan contains compilation and allocations, so that the measured times do not.
     planner.plan(np.zeros((9, 9), np.uint8), CostFrame(0.0, 0.0, 1.0), Pose2(2.5, 2.5, 0.0), Pose2(6.5, 6.5, 0.0))
     ends_in_grid = [(Pose2(x, y, 0.0), Pose2(u, v, 0.0)) for x, y, u, v in ends]
     planner.plan(costs, frame, *ends_in_grid[0])

@@ -1,4 +1,4 @@
-"""Search in a bag for the data that localization needs: scans, odometry, and the mounting of the laser."""
+"""Search in a bag for the input data of localization: scans, odometry, and the mounting of the laser."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -25,10 +25,10 @@ T = TypeVar("T")
 
 TF_TYPES = (TFMESSAGE, "tf/tfMessage")
 SCANS = ("scan", "base_scan", "scan_filtered")
-"""Usual topics of lasers for localization. The most usual topic is first."""
+"""Usual topics of lasers for localization, the most usual topic first."""
 BASE_FRAMES = ("base_footprint", "base_link")
 LEVEL = math.radians(10)
-"""Tilt above which a laser does not see the plane of the map, radians."""
+"""Tilt above which a laser does not measure in the plane of the map, radians."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +42,7 @@ class StampedScan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalizationBag:
-    """A bag with the data for localizing a robot.
+    """A bag with the input data for localizing a robot.
 
     Attributes:
         path: the bag.
@@ -50,7 +50,7 @@ class LocalizationBag:
         messages: number of scans.
         laser: converter of the scans.
         odometry: odometry of the same robot.
-        odometry_source: topic of the odometry, or the frames of the odometry in tf.
+        odometry_source: topic of the odometry, or names of the odometry's frames in tf.
         notices: sentences about assumptions and anomalies.
     """
 
@@ -78,28 +78,28 @@ def open_recording(
 
     Args:
         path: a ROS 1 bag.
-        scan_topic: topic of type sensor_msgs/LaserScan. If None, the topic of the only robot.
-        odom_topic: topic of type nav_msgs/Odometry. If None, the topic of the same robot. If there is no such topic,
-            odometry is read from tf.
+        scan_topic: topic of type sensor_msgs/LaserScan. If None, use the topic of the only robot.
+        odom_topic: topic of type nav_msgs/Odometry. If None, use the topic of the same robot. If there is no such
+            topic, odometry is read from tf.
         laser_in_base: pose of the laser on the base. If None, it is read from tf.
         max_odom_speed: speed that the robot cannot exceed, m/s. If None, it is estimated from its odometry.
 
     Raises:
-        BadFile: the bag cannot be read, or does not contain required data. The message lists what the bag contains.
+        BadFile: the bag cannot be read, or does not contain required data. The message lists suitable topics.
     """
     topics = info(path).topics
     notices: list[str] = []
     scan_name = scan_topic or _only_scans(path, topics, notices)
     scans = _topic(topics, scan_name, (LASER_SCAN,))
     if scans is None:
-        problem = f"it has no scans on {scan_name}; {_offer(topics, (LASER_SCAN,))}"
+        problem = f"the bag has no scans on {scan_name}; {_offer(topics, (LASER_SCAN,))}"
         raise BadFile(path, problem, "give the topic with --scan-topic")
     first = next((read.scan for read in _scans(path, scans.name) if usable(read.scan)), None)
     if first is None:
-        problem = "no scan has two beams and an angle between them"
+        problem = "no scan has two or more beams with an angle between them"
         raise BadFile(path, problem, "give another topic with --scan-topic", key=scans.name)
 
-    # Robots with separate tf topics may all use the same frame names. So only read the tf of this robot.
+    # Several robots with separate tf topics may use the same frame names. So read only the tf of this robot.
     robot = namespace_of(scans.name)
     tf_topics = [
         topic.name
@@ -119,15 +119,15 @@ def open_recording(
         tree = _frames(path, tf_topics, lambda tree: _odom_edge(tree, first.frame, certain=True) is not None)
         edge = _odom_edge(tree, first.frame, certain=False)
         if edge is None:
-            problem = f"it has no odometry on {odom_name} and none in tf; {_offer(topics, (ODOMETRY,))}"
+            problem = f"the bag has no odometry on {odom_name} or in tf; {_offer(topics, (ODOMETRY,))}"
             raise BadFile(path, problem, "give the topic with --odom-topic")
         steps = _odometry_of_tf(path, tf_topics, edge)
         source = f"tf {edge[0]} -> {edge[1]}"
         bases = (edge[1],)
-        notices.append(f"No odometry on {odom_name}; using {source} instead.")
+        notices.append(f"There is no odometry on {odom_name}, so {source} is used.")
     track = OdometryTrack(steps, max_odom_speed)
     if not len(track):
-        raise BadFile(path, "it contains no odometry", "give another topic with --odom-topic", key=source)
+        raise BadFile(path, "the topic contains no odometry", "give another topic with --odom-topic", key=source)
     if track.unstamped:
         notices.append(unstamped_sentence(source, track.unstamped))
     notices += fault_sentences(source, track.faults, track.begin_ns)
@@ -140,26 +140,26 @@ def open_recording(
             raise BadFile(path, problem, "give the pose with --laser-pose X Y YAW")
         if mount.tilt > LEVEL:
             degrees = round(math.degrees(mount.tilt))
-            notices.append(f"The laser is tilted by {degrees} degrees; its scans are treated as level.")
+            notices.append(f"The laser is tilted by {degrees} degrees. The program ignores this tilt.")
         if mount.upside_down:
             notices.append("The laser is mounted upside down.")
     else:
         mount = PlanarMount(laser_in_base, upside_down=False, tilt=0.0)
     laser = Laser.of(first, mount)
     if laser.mount.range_max != first.range_max:
-        notices.append(f"range_max of the scans is {first.range_max}; using {laser.mount.range_max:g} m instead.")
+        notices.append(f"range_max of the scans is {first.range_max}, so {laser.mount.range_max:g} m is used.")
     return LocalizationBag(path, scans.name, scans.messages, laser, track, source, tuple(notices))
 
 
 def _only_scans(path: Path, topics: tuple[TopicInfo, ...], notices: list[str]) -> str:
-    """Return the topic of the scans, found by type. If a robot has several lasers, return the most usual name."""
+    """Return the topic of the scans by its type. If a robot has several lasers, return the most usual name."""
     names = usual_first(_of_type(topics, LASER_SCAN), SCANS)
     robots = sorted({namespace_of(name) for name in names})
     if len(robots) > 1:
-        problem = f"it contains several robots: {_offer(topics, (LASER_SCAN,))}"
+        problem = f"the bag contains several robots: {_offer(topics, (LASER_SCAN,))}"
         raise BadFile(path, problem, "give the topic of one robot with --scan-topic")
     if len(names) > 1:
-        notices.append(f"Using the scans of {names[0]}; other topics with scans: {', '.join(names[1:])}.")
+        notices.append(f"The scans of {names[0]} are used. Other topics with scans: {', '.join(names[1:])}.")
     return names[0] if names else f"/{SCANS[0]}"
 
 
@@ -168,13 +168,13 @@ def _odometry_beside(scans: str, topics: tuple[TopicInfo, ...], notices: list[st
     names = [name for name in _of_type(topics, ODOMETRY) if not is_truth(name)]
     robots = {namespace_of(name) for name in (*names, scans)}
     own = usual_first((name for name in names if owner_of(name, robots) == owner_of(scans, robots)), (ODOM_FRAME,))
-    # Odometry in the namespace of a node belongs to the only robot, whatever the namespace of the scans.
+    # Odometry in the namespace of a node belongs to the only robot. Then the namespace of the scans does not matter.
     own = own or usual_first((name for name in names if not namespace_of(name)), (ODOM_FRAME,))
     if not own and len(names) == 1 and len({namespace_of(name) for name in _of_type(topics, LASER_SCAN)}) == 1:
         own = names
-        notices.append(f"Using the odometry of {names[0]}, the only such topic.")
+        notices.append(f"The odometry of {names[0]} is used, because there is no other topic with odometry.")
     if len(own) > 1:
-        notices.append(f"Using the odometry of {own[0]}; other topics with odometry: {', '.join(own[1:])}.")
+        notices.append(f"The odometry of {own[0]} is used. Other topics with odometry: {', '.join(own[1:])}.")
     namespace = owner_of(scans, robots)
     return own[0] if own else f"/{namespace}/odom" if namespace else "/odom"
 
@@ -199,7 +199,8 @@ def _decoded(raw: RawMessage, decode: Callable[[bytes], T], path: Path) -> T:
         return decode(raw.data)
     except ValueError as error:
         remedy = "record the bag again, or remove the topic from it"
-        raise BadFile(path, f"a message on it is not a valid {raw.msgtype}: {error}", remedy, key=raw.topic) from None
+        problem = f"a message on this topic is not a valid {raw.msgtype}: {error}"
+        raise BadFile(path, problem, remedy, key=raw.topic) from None
 
 
 def _scans(path: Path, topic: str) -> Iterator[StampedScan]:
@@ -210,11 +211,11 @@ def _scans(path: Path, topic: str) -> Iterator[StampedScan]:
 
 def unstamped_sentence(topic: str, count: int) -> str:
     """Return the sentence about messages without a stamp."""
-    return f"{topic}: {count} messages with stamp 0; using their time of recording."
+    return f"{topic}: {count} messages have the stamp 0, so their time of recording is used."
 
 
 def _odometry_of_topic(path: Path, topic: str) -> tuple[list[OdometrySample], str]:
-    """Return all odometry of a topic, and its child frame."""
+    """Return all odometry of a topic, and the child frame of the odometry."""
     steps = []
     child = ""
     for raw in messages(path, (topic,)):
@@ -245,7 +246,7 @@ def _frames(path: Path, topics: list[str], enough: Callable[[FrameTree], bool]) 
 
 
 def _base_names(child: str, laser: str) -> tuple[str, ...]:
-    """Return possible names of the base frame: odometry's child frame, or usual names with the laser's prefix."""
+    """Return possible names of the base frame: child frame of the odometry, and usual names with the laser's prefix."""
     prefix = frame_name(laser).rpartition("/")[0]
     usual = [f"{prefix}/{name}" if prefix else name for name in BASE_FRAMES]
     return tuple(dict.fromkeys(name for name in (frame_name(child), *usual) if name))
@@ -257,7 +258,10 @@ def _mount(tree: FrameTree, laser: str, bases: tuple[str, ...]) -> PlanarMount |
 
 
 def _odom_edge(tree: FrameTree, laser: str, certain: bool) -> tuple[str, str] | None:
-    """Return the transform with odometry: that above the laser or, unless `certain`, the only one that exists."""
+    """Return the transform with odometry above the laser.
+
+    If there is none and `certain` is False, return the only transform with odometry in the tree.
+    """
     chain = tree.chain(laser)
     for child, parent in pairwise(chain):
         if is_odom_frame(parent):

@@ -1,11 +1,11 @@
-"""Search for rooms on an occupancy grid: floor that narrows at doorways.
+"""Search for rooms on an occupancy grid. A room is floor that becomes narrow at its doorways.
 
 Method: segmentation by the distance transform with the persistence of its peaks, refined by a watershed. The clearance
-(distance to the nearest wall) of a room has a peak in its middle and a saddle in each doorway. The algorithm examines
-the floor above a clearance that rises step by step. If the floor splits into parts with peaks high enough above the
-saddle, each part is a separate place. A watershed that starts from these places puts the borders onto the narrowest
-lines. All floor that connects places is corridor: floor without a peak, long floor with many doorways, floor with many
-openings.
+(distance to the nearest wall) of a room has a peak in the middle and a saddle in each doorway. The algorithm increases
+a threshold of clearance step by step. If the floor above the threshold splits into parts with peaks that are high
+enough above the saddle, each part is a separate place. A watershed from these places finds the borders on the narrowest
+lines. All floor that connects places is corridor: floor without a peak, long floor with many doorways, and floor with
+many openings.
 
 Sources: R. Bormann, F. Jordan, W. Li, J. Hampp and M. Haegele, "Room Segmentation: Survey, Implementation, and
 Analysis", ICRA 2016 (distance transform, clutter); S. Thrun, "Learning metric-topological maps for indoor mobile robot
@@ -26,7 +26,7 @@ from sim.common.traversability import Mask
 from sim.numerics.float_array import FloatArray
 
 Labels = NDArray[np.int32]
-"""(rows, cols) number of each cell's room, from 1 in reading order; 0 for corridor, wall and unknown cells."""
+"""(rows, cols) number of the cell's room, from 1 in reading order. 0 is for corridor, wall and unknown cells."""
 
 Span: TypeAlias = "slice[int, int, None]"
 """Range of rows or columns."""
@@ -34,25 +34,25 @@ Span: TypeAlias = "slice[int, int, None]"
 SPECK = 0.5
 """Maximum extent of noise and of table legs, meters."""
 FURNITURE = 2.5
-"""Maximum extent of isolated things on the floor that are ignored, meters. Thin things count as walls."""
+"""Maximum extent of isolated things on the floor that are ignored, meters. But thin things count as walls."""
 SLENDER = 0.3
 """Ratio of width to length below which a thing is a piece of wall."""
 LEVEL = 0.05
-"""Step of clearance between two examinations, meters. The step is at least half a cell."""
+"""Step of the clearance threshold, meters. The step is at least half a cell."""
 PASSAGE = 0.3
-"""Clearance above which floor is a passage and not a corner of a room, meters."""
+"""Clearance above which floor is a passage instead of a corner of a room, meters."""
 CORNER = 1.5
-"""Maximum distance of a room's floor from places where a robot can drive, in radii of the robot's inner circle."""
+"""Maximum distance of a room's floor from drivable places, as a multiple of the radius of the robot's inner circle."""
 WIDEST_DOOR = 10.0
 """Width above which an opening does not separate rooms, meters."""
 SHED = 3.0
-"""Area above which a corridor is detected when it splits off from a single room, square meters."""
+"""Area above which a corridor that splits off from a single room is detected, square meters."""
 TINY = 1.0
 """Area below which floor is too small for a corridor, square meters."""
 LONG = 3.2
 """Threshold of (length / width) * (number of doorways - 1), above which floor is a corridor."""
 OPEN = 0.35
-"""Share of openings in the border of floor above which the floor is not a room."""
+"""Share of openings in the border of floor above which the floor is no room."""
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
@@ -62,7 +62,7 @@ class RoomFindingOptions:
     """Thresholds for rooms.
 
     Attributes:
-        prominence: minimum ratio of the clearance in a room's middle to that in its widest doorway.
+        prominence: minimum ratio of the clearance in a room's middle to the clearance in its widest doorway.
         area: minimum floor area, square meters.
     """
 
@@ -71,7 +71,7 @@ class RoomFindingOptions:
 
 
 RELAXED = (RoomFindingOptions(), RoomFindingOptions(1.15, 2.0), RoomFindingOptions(1.08, 1.0))
-"""Thresholds that are tried one after the other until enough rooms are found."""
+"""Thresholds that the search uses in this order, until it finds enough rooms."""
 
 
 def find_rooms(grid: OccupancyGrid, inscribed: float, circumscribed: float, wanted: int | None = None) -> Labels:
@@ -81,11 +81,11 @@ def find_rooms(grid: OccupancyGrid, inscribed: float, circumscribed: float, want
         grid: the map. Noise, furniture and unknown space are tolerated, but unknown space is not floor.
         inscribed: radius of the robot's inner circle, meters. The robot drives where this circle fits.
         circumscribed: radius of the robot's outer circle, meters. A room must have a place where the robot can turn.
-        wanted: maximum number of rooms. If there are more, the smallest ones become corridor. If None, return all rooms
-            that the usual thresholds give.
+        wanted: maximum number of rooms. If there are more rooms, the smallest rooms become corridor. If None, return
+            all rooms for the usual thresholds.
 
     Returns:
-        The rooms found. They may be fewer than `wanted`.
+        The rooms. There may be fewer rooms than `wanted`.
     """
     floor = drivable_floor(grid, inscribed)
     if not floor.any():
@@ -104,10 +104,10 @@ def find_rooms(grid: OccupancyGrid, inscribed: float, circumscribed: float, want
 
 
 def drivable_floor(grid: OccupancyGrid, inscribed: float) -> Mask:
-    """Return the cells that a robot's center reaches on the largest connected floor.
+    """Return the cells of the largest connected floor that a robot's center can reach.
 
-    Floor that touches the image's border is ignored if there is enough floor inside. It is then the paper around a
-    drawn plan.
+    If there is enough floor inside, floor at the image's border is ignored, because it is the paper around a drawn
+    plan.
     """
     areas, count = label(cells_away(grid.cells == FREE) * grid.resolution > inscribed)
     if count == 0:
@@ -176,7 +176,7 @@ def _at_border(box: tuple[Span, ...], shape: tuple[int, ...]) -> bool:
 
 
 def _is_slender(mask: Mask) -> bool:
-    """Return True if a thing is narrow compared with its length. Both are computed from second moments."""
+    """Return True if the width of a thing is small compared with its length. Both are computed from second moments."""
     cells = np.argwhere(mask).astype(np.float64)
     small, large = np.linalg.eigvalsh(np.cov(cells.T, bias=True) + np.eye(2) / 12)
     return bool(np.sqrt(small / large) < SLENDER)
@@ -184,7 +184,12 @@ def _is_slender(mask: Mask) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Core:
-    """Middle of a place: its cells as flat indices, and the clearance in the place's widest doorway, meters."""
+    """Middle of a place.
+
+    Attributes:
+        cells: flat indices of the cells.
+        door: clearance in the place's widest doorway, meters.
+    """
 
     cells: NDArray[np.int64]
     door: float
@@ -193,7 +198,7 @@ class _Core:
 def _segment(
     free: Mask, floor: Mask, turning: Mask, resolution: float, inscribed: float, options: RoomFindingOptions
 ) -> Labels:
-    """Number the rooms, in arbitrary order."""
+    """Return the number of each cell's room. The order of the numbers is arbitrary."""
     clearance = cells_away(free) * resolution
     areas, _ = label(clearance > inscribed)
     wide = np.isin(areas, np.unique(areas[floor]))
@@ -210,7 +215,7 @@ def _segment(
 
 
 def _cores(clearance: FloatArray, resolution: float, inscribed: float, options: RoomFindingOptions) -> Iterator[_Core]:
-    """Yield the middles of places: floor with more clearance than their doorways."""
+    """Yield the middles of places: floor with more clearance than the doorways of the place."""
     level, step = inscribed, max(LEVEL, resolution / 2)
     above, areas, peaks = _above(clearance, level, resolution)
     parts = {number: _Core(np.flatnonzero(above == number), level) for number in range(1, len(peaks))}
@@ -242,7 +247,10 @@ def _cores(clearance: FloatArray, resolution: float, inscribed: float, options: 
 
 
 def _above(clearance: FloatArray, level: float, resolution: float) -> tuple[Labels, FloatArray, FloatArray]:
-    """Return labels of connected floor above a clearance, its areas when extended by this distance, and its peaks."""
+    """Return the labels of connected floor above a clearance.
+
+    Also return, for each label, the floor's area after an extension by this distance, and its maximum clearance.
+    """
     above, count = label(clearance > level)
     labels: Labels = np.asarray(above, dtype=np.int32)
     if count == 0:
@@ -261,14 +269,14 @@ def _peaks(clearance: FloatArray, labels: Labels, count: int) -> FloatArray:
 
 
 def _within(labels: Labels, distance: float, resolution: float) -> Labels:
-    """Return labels that are extended to the cells within the distance. Each of these cells gets the nearest label."""
+    """Return extended labels: each cell within the distance of labeled cells gets the nearest label."""
     away, nearest = distance_transform_edt(labels == 0, return_indices=True)
     grown: Labels = np.where(np.asarray(away) * resolution <= distance, labels[tuple(np.asarray(nearest))], 0)
     return grown
 
 
 def _places_around(cores: Sequence[_Core], clearance: FloatArray, resolution: float) -> Labels:
-    """Divide the floor into place i + 1 around core i, and further places for the floor between them."""
+    """Return the place of each cell: place i + 1 around core i, and further places for the floor between cores."""
     markers = np.zeros(clearance.shape, dtype=np.int32)
     opened = np.zeros(clearance.shape, dtype=np.bool_)
     for door in sorted({core.door for core in cores}):
@@ -284,7 +292,7 @@ def _places_around(cores: Sequence[_Core], clearance: FloatArray, resolution: fl
 
 
 def _flood(markers: Labels, clearance: FloatArray, resolution: float) -> Labels:
-    """Let the markers grow over all floor, from high to low clearance, so that they meet where clearance is lowest."""
+    """Extend the markers over all floor, from high to low clearance. So they meet at the lowest clearance."""
     places = np.pad(markers, 1)
     height = np.pad(clearance, 1)
     highest = float(height[places == 0].max(initial=0.0))
@@ -311,7 +319,7 @@ def _flood(markers: Labels, clearance: FloatArray, resolution: float) -> Labels:
 def _rooms_among(
     places: Labels, cores: int, clearance: FloatArray, resolution: float, options: RoomFindingOptions
 ) -> list[int]:
-    """Return the places around cores that are rooms and not corridors."""
+    """Return the places around cores that are rooms. The other places are corridors."""
     borders, areas = _borders(places), np.bincount(places.ravel()) * resolution**2
     peaks = _peaks(clearance, places, len(areas))
     rooms = []
@@ -328,7 +336,7 @@ def _rooms_among(
 
 
 def _with_alcoves(places: Labels, cores: int, resolution: float) -> Labels:
-    """Assign a piece of floor between cores to a neighboring place if the piece is tiny or has only this neighbor."""
+    """Assign each piece of floor between cores to a neighboring place if it is tiny or has only one neighbor."""
     while True:
         borders, areas = _borders(places), np.bincount(places.ravel()) * resolution**2
         renumbered = np.arange(len(areas), dtype=np.int32)
@@ -344,7 +352,7 @@ def _with_alcoves(places: Labels, cores: int, resolution: float) -> Labels:
 
 
 def _borders(places: Labels) -> NDArray[np.int64]:
-    """Return (n + 1, n + 1) numbers of cell sides between every two places. Place 0 is all cells that are not floor."""
+    """Return (n + 1, n + 1) numbers of cell sides between each two places. Place 0 has all cells without floor."""
     size = int(places.max()) + 1
     padded = np.pad(places, 1).astype(np.int64)
     sides = np.zeros((size, size), dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Headings of a robot from its scans alone. They are used to compare the clocks of scans and odometry."""
+"""Headings of a robot from its scans without odometry, for the comparison of the clocks of scans and odometry."""
 
 import math
 
@@ -14,13 +14,13 @@ from thbridge.offline.time_offset import TimeOffset, time_offset
 
 _BEAMS = 60
 _PERIOD_NS = 50_000_000
-"""Minimum time between scans that are matched."""
+"""Minimum time between two matched scans, nanoseconds."""
 _SEARCHED = 0.6
 """Maximum displacement of a point due to the error of a match's initial pose, meters."""
 
 
 class ScanHeadings:
-    """Collector of headings. It matches scans to the map, near the poses of a filter.
+    """Collector of headings. It matches scans to the map near the poses of a filter.
 
     Args:
         grid: the map.
@@ -34,7 +34,7 @@ class ScanHeadings:
         self._headings: list[float] = []
 
     def add(self, stamp_ns: int, scan: Scan, base_in_map: Pose2) -> None:
-        """Match a scan near a pose. Skip it if it is too soon after the last one, or if its stamp goes back."""
+        """Match a scan near a pose. Skip a scan that is too soon after the last scan or has an earlier stamp."""
         if self._stamps and stamp_ns - self._stamps[-1] < _PERIOD_NS:
             return
         match = self._matcher.match(base_in_map, self._beams.end_points(scan), _SEARCHED)
@@ -43,7 +43,7 @@ class ScanHeadings:
         self._headings.append(match.base_in_map.theta if match is not None and good else math.nan)
 
     def time_offset(self, odometry: OdometryTrack) -> TimeOffset | None:
-        """Return the offset between the clocks of odometry and scans; None if it cannot be found."""
+        """Return the offset between the clocks of odometry and scans, or None if it cannot be estimated."""
         run = odometry.longest_run
         if run is None or not self._stamps:
             return None

@@ -1,4 +1,4 @@
-"""Time by which odometry leads or trails the scans of a recording, estimated from turns that both measure."""
+"""Estimate of the time offset between odometry and scans of a recording, from turns that both measure."""
 
 from typing import NamedTuple
 
@@ -7,19 +7,19 @@ import numpy as np
 from sim.numerics.float_array import FloatArray
 
 LONGEST_OFFSET = 0.5
-"""Maximum offset that can be found, seconds."""
+"""Maximum offset that can be estimated, seconds."""
 _STEP = 0.01
-"""Step between the compared offsets, seconds. A parabola gives the best offset between two of them."""
+"""Step between the compared offsets, seconds. A parabola gives the best offset between two compared offsets."""
 _BLOCKS = 20
 """Number of parts of the recording.
 
-Each part is omitted once, and the spread of these estimates shows their accuracy.
+The estimate is repeated without each part. The spread of these estimates shows the accuracy.
 """
 _FEWEST_TURNS = 3 * _BLOCKS
 _EXPLAINED = 0.3
 """Minimum share of the scans' squared turns that odometry must explain.
 
-If it explains less, the two do not belong together.
+If it explains less, odometry and scans do not belong together.
 """
 
 
@@ -27,7 +27,7 @@ class TimeOffset(NamedTuple):
     """Offset between the clocks of odometry and scans.
 
     Attributes:
-        seconds: time by which odometry shows a turn earlier than the scans; negative if later.
+        seconds: time by which odometry shows a turn earlier than the scans. It is negative for later odometry.
         deviation: standard deviation of this time, seconds.
         turns: rotation that odometry reports for each radian of rotation in the scans, radians.
     """
@@ -52,8 +52,8 @@ def time_offset(
         scan_headings: (n,) radians; NaN for a scan without a heading.
 
     Returns:
-        The offset. None if the robot turns too little, if the best offset is at the end of the range, or if odometry
-        explains too little of the turns.
+        The offset. Or None if the robot turns too little, the best offset is at the end of the range, or odometry
+            explains too little of the turns.
 
     Source: Quenouille, Notes on bias in estimation (1956), for the deviation (the jackknife). It is valid for errors
         that are dependent within a part.
@@ -84,7 +84,7 @@ def time_offset(
 
 
 def _best(sums: FloatArray, offsets: FloatArray) -> float | None:
-    """Return the offset at which odometry explains the scans' turns best, from (3, n) sums of squares and products."""
+    """Return the offset for the best explanation of the scans' turns, from (3, n) sums of squares and products."""
     squares, common, seen = sums
     explained = np.where(common > 0.0, common * common / np.maximum(squares, 1e-12), 0.0)
     top = int(np.argmax(explained))

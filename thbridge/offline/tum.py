@@ -1,4 +1,4 @@
-"""Trajectories in the format of the TUM RGB-D benchmark, which evo and other programs can read."""
+"""Trajectories in the format of the TUM RGB-D benchmark. evo and other programs can read this format."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Obstacles that are in the world but not in the robot's map. They are drawn as a separate map."""
+"""Obstacles that are in the world but not in the robot's map. A separate map shows these obstacles."""
 
 from pathlib import Path
 
@@ -12,13 +12,13 @@ from thbridge.files.errors import BadFile
 _SAME_YAW = 1e-6
 """Tolerance between the yaws of two origins, radians."""
 _SLIVER = 1e-3
-"""Share of a cell that an obstacle may overlap without occupying the cell, because origins in files are rounded."""
+"""Share of a cell that an obstacle may overlap without occupying the cell. Origins in files are rounded."""
 
 
 def with_unmapped(grid: OccupancyGrid, unmapped: OccupancyGrid, path: Path) -> tuple[OccupancyGrid, int]:
-    """Return the true map: the robot's map plus every cell that an occupied cell of the other map overlaps.
+    """Return the true map: the robot's map, with every cell occupied that an obstacle of the other map overlaps.
 
-    Free and unknown cells of the other map have no effect. It may have its own size, resolution and place.
+    Free and unknown cells of the other map have no effect. This map may have another size, resolution and origin.
 
     Args:
         grid: the robot's map.
@@ -29,11 +29,11 @@ def with_unmapped(grid: OccupancyGrid, unmapped: OccupancyGrid, path: Path) -> t
         The true map, and the number of occupied cells of the other map outside it. These cells are ignored.
 
     Raises:
-        BadFile: the rotation differs from that of the map, no cell is occupied, or all occupied cells are off the map.
+        BadFile: the maps have different rotations, no cell is occupied, or all occupied cells are outside the map.
     """
     if abs(wrap_angle(unmapped.origin.theta - grid.origin.theta)) > _SAME_YAW:
-        problem = f"it is rotated by {unmapped.origin.theta:g} rad, the map by {grid.origin.theta:g} rad"
-        raise BadFile(path, problem, "use the yaw of the map", key="origin")
+        problem = f"it is rotated by {unmapped.origin.theta:g} rad, but the map is rotated by {grid.origin.theta:g} rad"
+        raise BadFile(path, problem, "use the same yaw as the map", key="origin")
     rows, cols = np.nonzero(unmapped.cells == OCCUPIED)
     if not len(rows):
         remedy = "draw obstacles darker than occupied_thresh requires, or omit --unmapped"
@@ -44,9 +44,9 @@ def with_unmapped(grid: OccupancyGrid, unmapped: OccupancyGrid, path: Path) -> t
     here = (top < bottom) & (left < right)
     if not here.any():
         problem = f"all of its {len(rows)} occupied cells are outside the map"
-        raise BadFile(path, problem, "give it an origin in the map's frame", key="origin")
-    # This is a summed-area table. A rectangle of cells adds to four corners. Then the cumulative sums are the number of
-    # rectangles over each cell.
+        raise BadFile(path, problem, "write an origin in the map's frame", key="origin")
+    # Summed-area table: each rectangle of cells changes the counts at its four corners. Then the cumulative sums are
+    # the numbers of rectangles over each cell.
     corners = np.zeros((grid.rows + 1, grid.cols + 1), np.int64)
     for row, col, count in ((top, left, 1), (top, right, -1), (bottom, left, -1), (bottom, right, 1)):
         np.add.at(corners, (row[here], col[here]), count)
@@ -61,7 +61,7 @@ IntArray = NDArray[np.int64]
 def _overlapped(
     indices: IntArray, corner: float, side: float, resolution: float, count: int
 ) -> tuple[IntArray, IntArray]:
-    """Return the first cell of the map that cells overlap along one axis, and the cell after the last one."""
+    """Return the first cell of the map that cells overlap along one axis, and the cell after the last such cell."""
     first = np.floor((corner + indices * side) / resolution + _SLIVER)
     last = np.ceil((corner + (indices + 1) * side) / resolution - _SLIVER)
     return np.clip(first, 0, count).astype(np.int64), np.clip(last, 0, count).astype(np.int64)

@@ -65,7 +65,7 @@ def test_maps_that_are_turned_alike_are_one_frame() -> None:
     [
         (
             drawn((4, 4), [(1, 1)], 0.1, Pose2(0.0, 0.0, 0.5)),
-            "boxes.yaml, origin: it is rotated by 0.5 rad, the map by 0 rad",
+            "boxes.yaml, origin: it is rotated by 0.5 rad, but the map is rotated by 0 rad",
         ),
         (drawn((4, 4), [], 0.1, Pose2(0.0, 0.0, 0.0)), "it has no occupied cell"),
         (drawn((4, 4), [(1, 1)], 0.1, Pose2(50.0, 0.0, 0.0)), "all of its 1 occupied cells are outside the map"),
