@@ -1,4 +1,4 @@
-"""The question for consent, which is sent to the participant's program before a session runs and is recorded."""
+"""Question for consent, which the participant's program gets before a session runs and is recorded."""
 
 from collections.abc import Sequence
 
@@ -29,10 +29,11 @@ _ANSWERS = NoticeDecoder[GiveConsent | DeclineConsent | ParticipantReady](
 
 
 class ParticipantDeclined(Exception):  # noqa: N818 - nothing went wrong with the program
-    """The participant did not agree to take part. Nothing was recorded.
+    """Exception: the participant did not agree to take part. Nothing was recorded.
 
     Attributes:
-        answered: True if they declined; False if they left, or the program was stopped, before an answer.
+        answered: True if the participant declined. False if there was no answer, because the participant left or the
+            program was stopped.
     """
 
     def __init__(self, answered: bool) -> None:
@@ -41,14 +42,14 @@ class ParticipantDeclined(Exception):  # noqa: N818 - nothing went wrong with th
 
 
 class ConsentDesk:
-    """Router of a session that does not run yet; it asks the participant's program for consent.
+    """Router of a session that has not started yet; it asks the participant's program for consent.
 
-    All input also goes to the session, as inputs of its first tick, so the consent is the first thing it records. After
-    the answer the desk only passes calls on. See `RouterInterface` for the methods.
+    The session receives all input as inputs of its first tick, so the consent is its first record. After the answer,
+    the desk only passes calls to the session's router. `RouterInterface` describes the methods.
 
     Args:
         router: router of a session that runs no ticks before the answer.
-        introduction: messages to a participant's program that joins.
+        introduction: messages to the program of a participant who joins.
 
     Attributes:
         status: state of consent.
@@ -68,7 +69,7 @@ class ConsentDesk:
         return self._router.connect(now, credentials)
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> Sequence[RouterOutput]:
-        """Handle received bytes; send the consent text to a participant's program that joins."""
+        """Process received bytes; send the consent text to the program of a participant who joins."""
         outputs = self._router.receive_data(connection, data, now)
         replies: list[RouterOutput] = []
         for output in outputs:
@@ -82,7 +83,7 @@ class ConsentDesk:
         return [*outputs, *replies]
 
     def admits(self, connection: ConnectionId) -> bool:
-        """Return True when a connection may send another line now."""
+        """Return True if a connection may send another line now."""
         return self._router.admits(connection)
 
     def eof(self, connection: ConnectionId) -> Sequence[RouterOutput]:
@@ -90,7 +91,7 @@ class ConsentDesk:
         return self._router.eof(connection)
 
     def report_backlog(self, connection: ConnectionId, size: int) -> Sequence[RouterOutput]:
-        """Note the number of bytes that are queued for a connection."""
+        """Record the number of bytes that are queued for a connection."""
         return self._router.report_backlog(connection, size)
 
     def advance(self, now: float) -> Sequence[RouterOutput]:
@@ -102,7 +103,7 @@ class ConsentDesk:
         return self._router.stop()
 
     def _answer(self, message: TextMessage) -> Sequence[TextMessage]:
-        """Process a message to the keeper; return the messages to its sender."""
+        """Process a message to the keeper, and return the messages to the sender."""
         match _ANSWERS.read(message):
             case GiveConsent():
                 self.status = ConsentStatus.GIVEN
@@ -120,7 +121,7 @@ def _is_of_a_participant(message: TextMessage) -> bool:
 def introduction(setting: StudySetting) -> list[TextMessage]:
     """Return the messages to a participant who has not agreed yet: the floor plan, and a view with the consent text.
 
-    The messages come from a separate session with the same robots, which no other program joins.
+    The messages are made by a separate session with the same robots, to which no program connects.
     """
     newcomer = _Newcomer()
     session = open_session(setting, Programs(robots=build_simr(setting), participant=newcomer))
@@ -130,7 +131,7 @@ def introduction(setting: StudySetting) -> list[TextMessage]:
 
 
 class _Newcomer:
-    """A participant who joins and only receives."""
+    """Participant who joins, but sends no other messages."""
 
     name = legacy.TABUI
 
@@ -140,11 +141,11 @@ class _Newcomer:
         self._introduce = False
 
     def connected(self) -> None:
-        """Introduce itself with the next step."""
+        """Introduce the participant in the next step."""
         self._introduce = True
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
-        """See `Role`."""
+        """Receive messages; see `Role`."""
         self.received += messages
         notices = [notice for message in messages if isinstance(notice := parse_notice(message), Notice)]
         self.has_view = self.has_view or any(View.of_notice(notice) is not None for notice in notices)

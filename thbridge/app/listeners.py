@@ -1,6 +1,6 @@
 """Listeners to a session's robots: a ROS graph, a bag, researchers' windows, Foxglove.
 
-The ROS graph and the windows may also send requests.
+The ROS graph and the windows can also send requests.
 """
 
 from collections.abc import AsyncIterator, Callable, Sequence
@@ -32,9 +32,9 @@ class WatchAddress:
     """Address of the watch server, to which researchers' windows connect.
 
     Attributes:
-        host: address to listen on.
+        host: address on which the server listens.
         port: TCP port; 0 selects any free port.
-        keys: checks the keys that windows must present; None admits every program of this machine.
+        keys: keys that windows must send. If None, all programs on this machine are admitted.
     """
 
     host: str
@@ -47,11 +47,11 @@ class ListenerOptions(Protocol):
 
     @property
     def bag(self) -> Path | None:
-        """Path of the recording; None for no recording."""
+        """Path of the recording. If None, nothing is recorded."""
 
     @property
     def graph(self) -> GraphAddress | None:
-        """The ROS graph to take part in; None if there is none."""
+        """The ROS graph to join; None if there is none."""
 
     @property
     def watch(self) -> WatchAddress | None:
@@ -63,19 +63,19 @@ class ListenerOptions(Protocol):
 
 
 def _ignore(outcome: object) -> None:
-    """Do nothing: the callback of programs without graph, watch server or MAVLink links."""
+    """Do nothing; this is the callback of programs without graph, watch server and MAVLink links."""
 
 
 @dataclass(frozen=True, slots=True)
 class StartupCallbacks:
-    """Callbacks for the results of starting a graph, the watch server and others; each may raise.
+    """Callbacks with the results of starting the graph and the servers. Callbacks may raise exceptions.
 
     Attributes:
-        joined: called with the master of the graph, or the reason why there is none.
-        watched: called with the address of the watch server, or the reason why it cannot listen.
-        linked: called with the addresses of MAVLink links, such as "udp 127.0.0.1:14550", or the reason why there are
-            none.
-        shown: called with the address for Foxglove, or the reason why there is none.
+        joined: callback with the master of the graph, or the reason why there is no master.
+        watched: callback with the address of the watch server, or the reason why it cannot listen.
+        linked: callback with the addresses of MAVLink links, such as "udp 127.0.0.1:14550", or the reason why there are
+            no links.
+        shown: callback with the address for Foxglove, or the reason why there is no address.
     """
 
     joined: Callable[[MasterPresence | CannotListen], None]
@@ -106,16 +106,16 @@ async def listeners(
     Args:
         options: options of the listeners.
         setting: the study.
-        team: its robots.
+        team: robots of the study.
         publisher: publisher of the robots' messages.
         pacer: pacer of the session.
-        ask: called with requests and the names of their senders; never before the event loop's next turn, because the
-            session does not exist earlier.
-        callbacks: for the results of starting.
-        receive_frame: called with MAVLink frames for one robot, also never before that turn; None if the robots are not
-            MAVLink vehicles.
-        granted: called with the name of a watcher's key and the granted request; None for no callback.
-        has_game: True when the game is in this session.
+        ask: callback with the name of the sender and a request. It is not called before the next turn of the event
+            loop, because the session does not exist earlier.
+        callbacks: callbacks with the results of starting.
+        receive_frame: callback with the index of a robot and a MAVLink frame, also not called before that turn; None if
+            the robots are not MAVLink vehicles.
+        granted: callback with the name of a watcher's key and a granted request. If None, there is no callback.
+        has_game: True if the game is in this session.
     """
     listening: list[Listener] = []
     async with AsyncExitStack() as opened:
@@ -130,7 +130,7 @@ async def listeners(
             callbacks.watched(await server.start(options.watch.host, options.watch.port))
             listening += [desk, server]
         if options.foxglove is not None:
-            # Imported here because the package is optional: sessions without Foxglove run without it.
+            # The import is here because sessions without Foxglove do not need this optional package.
             from thbridge.sockets.foxglove import FoxgloveServer  # noqa: PLC0415
 
             foxglove = FoxgloveServer(publisher.topics, Definitions(ROS_SHARES))
@@ -138,6 +138,6 @@ async def listeners(
             callbacks.shown(foxglove.start(LOCALHOST, options.foxglove))
             listening.append(foxglove)
         if options.bag is not None:
-            # The recording starts last, so that it does not start if a port is taken.
+            # The recording starts last, so that there is no recording if a port is already in use.
             listening.append(opened.enter_context(build_writer(setting, options.bag)))
         yield listening

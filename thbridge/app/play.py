@@ -1,4 +1,4 @@
-"""A whole hunt in one program: all roles except those of other programs, until the game is over or stopped."""
+"""A complete hunt in one program, with all roles that other programs do not have, until the hunt is over or stopped."""
 
 import logging
 from collections import deque
@@ -57,12 +57,12 @@ PLAY = "play"
 """Name of this program in recordings."""
 
 FINAL_TICKS = TICKS_PER_SECOND // 2
-"""Ticks that a session continues after the end of the game, so that all programs and the bag get its last messages."""
+"""Number of ticks after the end of the game, in which all programs and the bag receive the last messages."""
 
 
 @dataclass(frozen=True, slots=True)
 class GameOutcome:
-    """Outcome of one game of a hunt: the number of the game, and attributes as in `HuntOutcome`."""
+    """Result of one game of a hunt: the number of the game, and attributes as in `HuntOutcome`."""
 
     game: int
     score: int
@@ -74,21 +74,21 @@ class GameOutcome:
 
 @dataclass(frozen=True, slots=True)
 class HuntOutcome:
-    """Outcome of a hunt, which `thbridge play --json` prints.
+    """Result of a hunt, which `thbridge play --json` prints.
 
     Attributes:
         seed: seed of the study.
         score: points.
         over: reason for the end (`hunt.events.EndReason`); None if the game did not end.
-        rooms_visited: number of rooms.
-        identified: number of treasures named, correctly or not.
-        energy: energy left, by robot.
-        sim_seconds: simulated time from the start to the end of the game.
-        wall_seconds: real time from the start to the end of the game.
+        rooms_visited: number of visited rooms.
+        identified: number of named treasures; the names may be right or wrong.
+        energy: remaining energy, by robot.
+        sim_seconds: simulated time from the start to the end of the game, seconds.
+        wall_seconds: real time from the start to the end of the game, seconds.
         collisions: number of times that a robot touched a wall or another robot.
-        bag: the recording.
-        games: all games in order, if the participant played several games; the figures above are for the last game.
-        robots: figures of each robot over the whole run.
+        bag: path of the recording.
+        games: all games in order, if the participant played several games. All values above are for the last game.
+        robots: figures of each robot for the complete run.
     """
 
     seed: int
@@ -106,11 +106,11 @@ class HuntOutcome:
 
 
 class HuntUnfinished(Exception):  # noqa: N818 - nothing went wrong with the program
-    """The hunt ended before the game was over, or before the participant had left. All files are closed properly.
+    """Exception: the hunt ended before the game was over, or before the participant had left. All files are complete.
 
     Attributes:
-        outcome: outcome at that time.
-        stopped: True after Ctrl-C or SIGTERM; False when the time limit was reached.
+        outcome: result at that time.
+        stopped: True after Ctrl-C or SIGTERM, False after the time limit.
     """
 
     def __init__(self, outcome: HuntOutcome, stopped: bool) -> None:
@@ -124,21 +124,22 @@ class PlayOptions:
     """Options of a hunt, in addition to the study.
 
     Attributes:
-        rate: simulated seconds per second; 0 runs as fast as possible.
-        bag: path of the recording; None for no recording.
-        outside: names of the roles that other programs take.
-        participant: description for the record, for example "person" or "suggestion".
-        max_seconds: simulated time after which an unfinished game is stopped.
-        graph: the ROS graph to take part in; None if there is none.
-        left: called after every tick; returns True once the participant's own window is closed. Only then does the hunt
-            end, because participants may look at the result and play again. If None, the hunt ends with the game.
+        rate: simulated seconds per second; 0 means as fast as possible.
+        bag: path of the recording. If None, nothing is recorded.
+        outside: names of the roles that other programs have.
+        participant: description of the participant for the record, for example "person" or "suggestion".
+        max_seconds: simulated time after which an unfinished game is stopped, seconds.
+        graph: the ROS graph to join; None if there is none.
+        left: function that returns True if the participant's window is closed; called after every tick. The hunt ends
+            when the window is closed, because participants can look at the result and play again. If None, the hunt
+            ends with the game.
         watch: address of the watch server; None if there is none.
         foxglove: TCP port of this machine for Foxglove; None if there is none.
-        mavlink: ports of the MAVLink links; None if there is none.
-        inputs: path of the log of inputs; None for no log. If the log exists, the game resumes where the log ends, and
-            a simulated participant in this process repeats its decisions.
-        meter: measures the real time of this game, if there is a log of inputs; None creates one.
-        keys: keys with which programs on other machines can take part; None for no keys.
+        mavlink: ports of the MAVLink links; None if there are no links.
+        inputs: path of the log of inputs. If None, inputs are not logged. If the log exists, the game resumes at the
+            end of the log, and a simulated participant in this process repeats its decisions.
+        meter: meter of the real time of this game, used if there is a log of inputs. If None, a new meter is used.
+        keys: keys with which programs on other machines can take part; None if there are no keys.
         run: unique name of this run, for the record of uses of keys.
     """
 
@@ -166,25 +167,25 @@ async def play(
     progress: Callable[[TickRecord], None],
     callbacks: StartupCallbacks = NO_CALLBACKS,
 ) -> HuntOutcome:
-    """Play one hunt with all roles in this process, except those of other programs.
+    """Play one hunt with all roles that other programs do not have.
 
     Args:
         setting: the study.
-        participant: the participant's role; None if an outside program has that role. See also `options.outside`. If
-            the study requires consent, that program is asked first: before the answer no tick is run and no file is
+        participant: the participant's role. If None, another program has this role; see also `options.outside`. If
+            the study requires consent, this program is asked first. Before the answer, no tick is run, and no file is
             written.
         options: options of the hunt.
-        ready: called with the address of the text server, or the reason why it cannot listen.
-        progress: called with every tick.
-        callbacks: callbacks for the results of starting graph, watch server and links.
+        ready: callback with the address of the text server, or the reason why it cannot listen.
+        progress: callback with each tick.
+        callbacks: callbacks with the results of starting graph, watch server and links.
 
     Raises:
-        ParticipantDeclined: the participant did not agree to take part, or left before an answer.
+        ParticipantDeclined: the participant did not agree to take part, or left before the answer.
         BadFile: a file cannot be written, or the log of inputs belongs to another game (`GameDiffers`).
-        HuntUnfinished: it was stopped, or the game was not over in time. The recording is complete up to then.
+        HuntUnfinished: the hunt was stopped, or the time limit was reached. The recording is complete up to the end.
     """
     async with AsyncExitStack() as opened:
-        # The MAVLink ports are opened first, so that no recording is started if they cannot be opened.
+        # The MAVLink ports are opened first, so that no recording starts if a port cannot be opened.
         links = await _links(options.mavlink, opened, callbacks)
         if options.rate > 0.0:
             rehearse(setting)
@@ -198,14 +199,14 @@ async def play(
 
 
 class _Hunt:
-    """A hunt of one program: its session, its servers, and its recording.
+    """Hunt of one program: session, servers and recording.
 
     Args:
-        setting: as for `play`.
-        participant: as for `play`.
-        options: as for `play`.
+        setting: as in `play`.
+        participant: as in `play`.
+        options: as in `play`.
         links: MAVLink server with open ports, and the names of the ports.
-        ready: as for `play`.
+        ready: as in `play`.
 
     Attributes:
         pacer: pacer of the session.
@@ -228,7 +229,7 @@ class _Hunt:
         if links is not None:
             outlets = SessionOutlets(self._server.perform, links[0].transmit)
         self._recording = DeferredRecording()
-        # A resumed game is the same game, so it keeps its name: the path of its log.
+        # The name of a run is the path of its log, so a resumed game has the same name.
         run = options.run if options.inputs is None else str(options.inputs.resolve())
         recording = SessionRecording([self._recording], self._recording, run)
         self._session = open_session(setting, self._programs, recording, outlets)
@@ -242,16 +243,16 @@ class _Hunt:
         self._server.note_game(*self._session.game_name)
 
     async def agree(self, opened: AsyncExitStack) -> None:
-        """Ask a participant of an outside program for consent. Raises ParticipantDeclined."""
+        """Ask the participant of another program for consent. Raises ParticipantDeclined: they did not agree."""
         if self._desk is not None:
             opened.push_async_callback(self._server.stop)
             await self._listen()
             left = self._options.left
-            # A window has already asked people for consent, and sends the consent as soon as it joins.
+            # If a window has already asked for consent, it sends the consent as soon as it joins.
             await _consent(self._desk, left, _ignore if left is not None else _log.warning)
 
     async def record(self, opened: AsyncExitStack, callbacks: StartupCallbacks) -> None:
-        """Start all listeners, and begin the recording. Raises BadFile."""
+        """Start all listeners and the recording. Raises BadFile: a file cannot be written."""
         setting, options, session = self._setting, self._options, self._session
         publisher = build_publisher(setting)
         has_vehicles = setting.study.mavlink.on
@@ -282,15 +283,15 @@ class _Hunt:
         if options.inputs is not None:
             meter = options.meter or PaceMeter()
             self._inputs = opened.enter_context(closing(InputLog(options.inputs, opening, meter, self.pacer)))
-            # The log of inputs comes before all other recorders, because what they record follows from the inputs.
+            # The log of inputs is the first recorder, because all other records follow from the inputs.
             recorders.insert(0, self._inputs)
         self._recording.begin(recorders, log)
 
     async def go_on(self) -> bool:
-        """Run as fast as possible up to the tick where the log of inputs ends; then close all recorded connections.
+        """Run as fast as possible up to the last tick of the log of inputs, and close all recorded connections.
 
         Returns:
-            False when the run was stopped (Ctrl-C, SIGTERM).
+            False if the run was stopped (Ctrl-C, SIGTERM), otherwise True.
         """
         session = self._session
         logged = () if self._inputs is None else self._inputs.ticks
@@ -327,12 +328,12 @@ class _Hunt:
             await opened.enter_async_context(kept_alive(self._session, self.pacer))
         if self._desk is None:
             await self._listen()
-        opened.push_async_callback(self._server.stop)  # It stops before the recording is closed.
+        opened.push_async_callback(self._server.stop)  # The server stops before the recording is closed.
 
     def tick(self, progress: Callable[[TickRecord], None]) -> bool:
         """Run one tick; return True while the hunt continues."""
         now = self._step()
-        # Refusals of a participant in this process are not logged, because the window or terminal shows them.
+        # Refusals to a participant in this process are not logged, because the window or terminal shows them.
         inside = self._programs.participant
         refusals = (each for each in now.refusals if inside is None or each.program != inside.name)
         self._troubles.note(refusals, now.utterances)
@@ -341,7 +342,7 @@ class _Hunt:
         return not self._ending.reached(self._session)
 
     def outcome(self, run: LoopResult) -> HuntOutcome:
-        """Return the outcome, after a run of ticks. Raises HuntUnfinished."""
+        """Return the result after a run of ticks. Raises HuntUnfinished: the hunt is not finished."""
         bag = self._options.bag
         outcome = outcome_of(self._setting, self._session, self._ending, run.seconds, bag, self._statistics)
         # With a window, the hunt does not end with the game: participants may play again.
@@ -359,14 +360,14 @@ class _Hunt:
         router, server = self._desk or self._session.router, self._setting.study.server
         where = await self._server.start(router, server.host, server.port)
         if isinstance(where, CannotListen) and self._options.left is not None:
-            where = await self._server.start(router, server.host, 0)  # The window is given the port that is used.
+            where = await self._server.start(router, server.host, 0)  # The window gets the selected port.
         self._ready(where)
 
 
 class _GraphStation:
-    """The ROS graph as a ground station: one link to all vehicles.
+    """ROS graph in the role of a ground station, with one link to all vehicles.
 
-    Frames that come before the link is open are dropped.
+    Frames are dropped before the link is open.
     """
 
     def __init__(self, session: Session) -> None:
@@ -378,7 +379,7 @@ class _GraphStation:
         self._link = self._session.links.open_link(GRAPH_LINK)
 
     def receive_frame(self, robot: int, frame: Frame) -> None:
-        """Pass on a frame to one robot, counted from 0."""
+        """Pass a frame to one robot, whose index is given."""
         if self._link is not None:
             self._session.transmit(self._session.links.receive_frame(self._link, frame, robot).replies)
 
@@ -388,7 +389,11 @@ def _ignore(sentence: str) -> None:
 
 
 async def _consent(desk: ConsentDesk, left: Callable[[], bool] | None, report: Callable[[str], None]) -> None:
-    """Wait until the participant has agreed to take part, or cannot be asked. Raises ParticipantDeclined."""
+    """Wait until the participant has agreed to take part, or cannot be asked.
+
+    Raises:
+        ParticipantDeclined: the participant did not agree.
+    """
     report(CONSENT_SENTENCES[desk.status])
 
     def waiting() -> bool:
@@ -404,9 +409,9 @@ async def _consent(desk: ConsentDesk, left: Callable[[], bool] | None, report: C
 async def _links(
     ports: MavlinkPorts | None, opened: AsyncExitStack, callbacks: StartupCallbacks
 ) -> tuple[MavlinkServer, list[str]] | None:
-    """Return the MAVLink server with all ports open, and its addresses; None for no links.
+    """Return the MAVLink server with open ports, and its addresses; None if there are no links.
 
-    If a port cannot be opened, the callback gets the reason.
+    If a port cannot be opened, the callback receives the reason.
     """
     if ports is None:
         return None
@@ -423,8 +428,8 @@ class EndCondition:
     """Condition for the end of a session.
 
     Args:
-        max_seconds: simulated time after which an unfinished game is stopped.
-        left: see `PlayOptions`.
+        max_seconds: simulated time after which an unfinished game is stopped, seconds.
+        left: function that returns True if the participant's window is closed; see `PlayOptions`.
     """
 
     def __init__(self, max_seconds: float, left: Callable[[], bool] | None = None) -> None:
@@ -433,18 +438,18 @@ class EndCondition:
         self._outcomes: dict[int, GameOutcome] = {}
         self._game: GameState | None = None
         self.tick: int | None = None
-        """Tick in which the game ended; None until then, and also after the next game has begun."""
+        """Tick in which the game ended; None during a game."""
 
     @property
     def games(self) -> tuple[GameOutcome, ...]:
-        """The games so far, in their order."""
+        """Results of the games so far, in order."""
         return tuple(self._outcomes.values())
 
     def reached(self, session: Session) -> bool:
-        """Return True when the session is over."""
+        """Return True if the session is over."""
         game = session.game
         if game is not None and game is not self._game:
-            # Only the outcomes of finished games are kept, because people may play hundreds of games.
+            # Only the results of finished games are stored, because people may play hundreds of games.
             self._outcomes[game.started.game] = _game_outcome(game)
             self._game = game
         over = session.game is not None and session.game.ended is not None
@@ -467,7 +472,7 @@ def outcome_of(
     bag: Path | None,
     statistics: RunStatistics,
 ) -> HuntOutcome:
-    """Return the outcome of a session, finished or not."""
+    """Return the result of a session, which may be unfinished."""
     snapshot = session.snapshot
     ticks = session.tick if ending.tick is None else ending.tick
     games = ending.games

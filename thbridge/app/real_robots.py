@@ -1,4 +1,4 @@
-"""SimR with real robots of a ROS graph: the same role with another team."""
+"""SimR with real robots of a ROS graph in place of simulated robots."""
 
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack
@@ -34,13 +34,13 @@ from thbridge.timing.pacer import Pacer
 
 
 class HeldTraffic:
-    """Recorder of a fleet's messages that holds them back until they may be recorded, and then passes them on.
+    """Recorder of a fleet's messages, which passes messages to a bag only after recording is allowed.
 
-    Before that it keeps only the last message of each latched topic, such as fixed transforms. A bag needs these
+    Before, only the last message of each latched topic is stored, for example fixed transforms. A bag needs these
     messages, and robots send them only once.
 
     Attributes:
-        recorder: recorder of the bag. If None, recording has not started, or nothing is to be recorded.
+        recorder: recorder of the bag. If None, recording has not started, or the program does not record.
     """
 
     def __init__(self) -> None:
@@ -49,21 +49,21 @@ class HeldTraffic:
         self._latched_own: dict[str, RosMessage] = {}
 
     def received(self, topic: TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
-        """Record a message. While recording is not allowed yet, keep only latched messages."""
+        """Record a message. Before recording is allowed, store only latched messages."""
         if self.recorder is not None:
             self.recorder.received(topic, publisher, stamp_ns, data)
         elif topic.latched:
             self._latched[topic.name, publisher] = (topic, publisher, stamp_ns, data)
 
     def sent(self, message: RosMessage) -> None:
-        """Record a message to a robot. While recording is not allowed yet, keep only latched messages."""
+        """Record a message to a robot. Before recording is allowed, store only latched messages."""
         if self.recorder is not None:
             self.recorder.sent(message)
         elif message.topic.latched:
             self._latched_own[message.topic.name] = message
 
     def release(self, recorder: FleetRecorder) -> None:
-        """Start recording: first the latched messages, then all that follow."""
+        """Start recording: first the stored latched messages, then all following messages."""
         self.recorder = recorder
         for topic, publisher, stamp_ns, data in sorted(self._latched.values(), key=lambda kept: kept[2]):
             recorder.received(topic, publisher, stamp_ns, data)
@@ -73,7 +73,7 @@ class HeldTraffic:
         self._latched_own.clear()
 
     def flush(self) -> None:
-        """Write the pending messages. Raises BagNotWritten."""
+        """Write the pending messages. Raises BagNotWritten: the bag cannot be written."""
         if self.recorder is not None:
             self.recorder.flush()
 
@@ -86,24 +86,24 @@ async def simr_with_real_robots(
     unreachable: Callable[[CannotListen], None],
     missing: Callable[[Sequence[str]], None],
 ) -> str | None:
-    """Command real robots for the game until stopped; at the end the robots stop.
+    """Command real robots for the game until the program is stopped. At the end, the robots stop.
 
     If the study asks for consent, nothing is recorded until the server reports that the participant has agreed.
 
     Args:
         setting: the study.
-        options: options of the program; its rate must be 1, that of real time.
+        options: options of the program; the rate must be 1 (real time).
         graph: the robots' ROS graph.
-        lost: called with the reason when the connection to the text server is lost.
-        unreachable: called with the reason why robots cannot connect to this node; it must raise.
-        missing: called with a new list of sentences about missing topics and nodes, whenever it changes; finally with
-            an empty list.
+        lost: callback with the reason, called when the connection to the text server is lost.
+        unreachable: callback with the reason why robots cannot connect to this node; it must raise an exception.
+        missing: callback with sentences about missing topics and nodes. It is called when the list of sentences
+            changes, and at the end with an empty list.
 
     Returns:
-        The keeper's reason for rejecting these robots, or None when stopped.
+        The reason why the keeper rejected these robots; None if the program was stopped.
 
     Raises:
-        BagNotWritten: the bag cannot be written; it is closed, the robots stop, and the program ends.
+        BagNotWritten: the bag cannot be written. It is closed, the robots stop, and the program ends.
     """
     async with AsyncExitStack() as opened:
         traffic = HeldTraffic()

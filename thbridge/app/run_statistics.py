@@ -1,4 +1,4 @@
-"""Figures of each robot over a whole run: the errors of its pose, and what it did."""
+"""Figures of each robot for a complete run: errors of the pose, losses, distance and waiting times."""
 
 import math
 from dataclasses import dataclass
@@ -16,18 +16,18 @@ from sim.team import TeamSnapshot
 class RobotStatistics:
     """Figures of one robot.
 
-    Errors are differences between the believed and the true pose at each scan; None if there was no scan.
+    Errors are differences between the believed pose and the true pose at scans; they are None if there was no scan.
 
     Attributes:
-        robot: its number, from 1.
-        position_rmse: root mean square of the distance between the two positions, meters.
-        position_max: largest such distance, meters.
-        heading_rmse: root mean square of the angle between the two headings, degrees.
-        heading_max: largest such angle, degrees.
-        times_lost: number of times that its localizer declared itself lost.
-        seconds_lost: total time for which it was lost, simulated seconds.
-        distance: meters driven.
-        seconds_waiting: simulated seconds in which it waited to let another robot go first.
+        robot: number of the robot, from 1.
+        position_rmse: root mean square of the position errors, meters.
+        position_max: largest position error, meters.
+        heading_rmse: root mean square of the heading errors, degrees.
+        heading_max: largest heading error, degrees.
+        times_lost: number of times that the localizer reported that the robot was lost.
+        seconds_lost: total simulated time for which the robot was lost, seconds.
+        distance: distance driven, meters.
+        seconds_waiting: total simulated time in which the robot waited for another robot, seconds.
     """
 
     robot: int
@@ -54,7 +54,7 @@ class _Sums:
 
 
 class RunStatistics:
-    """Sums over the ticks of a run; a dead robot adds nothing."""
+    """Sums over the ticks of a run, without the ticks in which a robot is dead."""
 
     def __init__(self) -> None:
         self._robots: list[_Sums] = []
@@ -67,7 +67,7 @@ class RunStatistics:
         for index, (sums, robot) in enumerate(zip(self._robots, snapshot.robots, strict=True)):
             if index in snapshot.dead:
                 continue
-            # Computed from the speed, not from the change of position: a robot that is moved by hand does not drive.
+            # The distance follows from the speed, because a change of position can also be a move by hand.
             sums.distance += abs(float(truth.twists[index, 0])) * TICK
             sums.ticks_waiting += robot.navigation.waits_for is not None
             lost = robot.estimate.lost
@@ -85,7 +85,7 @@ class RunStatistics:
                 np.maximum(sums.greatest, error, out=sums.greatest)
 
     def figures(self) -> tuple[RobotStatistics, ...]:
-        """Return the figures so far, rounded for people and programs."""
+        """Return the figures so far, rounded."""
         return tuple(_figures(robot, sums) for robot, sums in enumerate(self._robots))
 
 

@@ -1,4 +1,4 @@
-"""The program with the text server and the keeper, which runs in real time until it is stopped."""
+"""Program with the text server and the keeper, which runs in real time until it is stopped."""
 
 import logging
 from collections.abc import Callable, Sequence
@@ -23,11 +23,11 @@ _log = logging.getLogger(__name__)
 
 
 class ConsentedLog:
-    """Event log of games. It writes the events of a game only once the game's participant may be recorded.
+    """Event log of games, which writes events of a game only after recording of the participant is allowed.
 
     Args:
         journals: journals of the games.
-        status: returns the state of consent after the step that produced the appended events.
+        status: function that returns the state of consent after the step in which the appended events occurred.
     """
 
     def __init__(self, journals: JournalStore, status: Callable[[], ConsentStatus]) -> None:
@@ -37,9 +37,10 @@ class ConsentedLog:
         self._open = False
 
     def append(self, entries: Sequence[JournalEntry]) -> None:
-        """Write the entries, or hold them back; must be called in every tick.
+        """Write the entries or, before recording is allowed, store them. Call this method in every tick.
 
-        Raises BadFile if the journals raise it.
+        Raises:
+            BadFile: the journal cannot be written.
         """
         for entry in entries:
             if isinstance(entry, GameStarted):
@@ -63,15 +64,17 @@ async def serve(
     keys: RingKeys | None = None,
     run: str = "",
 ) -> None:
-    """Run the text server and the keeper until stopped; an interrupted game is resumed.
+    """Run the text server and the keeper until they are stopped. An interrupted game is resumed.
 
     Args:
         setting: the study.
-        journals: journals of the games; closed at the end.
-        new_game: True leaves an unfinished game as it is and begins the next one.
-        ready: called with the address of the server, or the reason why it cannot listen; then the function returns.
-        keys: keys with which programs on other machines can take part; None for no keys.
-        run: unique name for the folder of the journals, if it has none yet; the record of uses of keys contains it.
+        journals: journals of the games, which are closed at the end.
+        new_game: True to begin a new game even if the last game is unfinished.
+        ready: callback with the address of the server, or the reason why it cannot listen. After a reason, the function
+            returns.
+        keys: keys with which programs on other machines can take part; None if there are no keys.
+        run: unique name for the folder of the journals, used if the folder has no name yet. The record of uses of keys
+            contains the name.
 
     Raises:
         BadFile: the journal cannot be read or written.
@@ -79,14 +82,14 @@ async def serve(
     try:
         unfinished = None if new_game else journals.resume()
         if unfinished is not None:
-            _log.warning("resuming game %d (use --new-game to start another)", journals.last_game)
+            _log.warning("resuming game %d (use --new-game to start a new game)", journals.last_game)
             if unfinished.torn:
-                _log.warning("its last event was only partly written and is lost")
+                _log.warning("the last event of the game was not written completely and is lost")
         last_game = journals.last_game if unfinished is None else journals.last_game - 1
         history = () if unfinished is None else unfinished.history
         keeper = build_keeper(setting, history, last_game)
         for dialogue in keeper.dialogues_not_restored:
-            _log.warning("dialogue %d cannot be resumed; what was said in it is in the journal", dialogue)
+            _log.warning("dialogue %d cannot be resumed; the journal contains its sentences", dialogue)
         log = ConsentedLog(journals, lambda: keeper.consent)
         recording = SessionRecording(log=log, run="" if keys is None else journals.name_of_folder(run))
         server = TextServer(admission=Admission.to(setting.study.open_to), keys=keys)

@@ -173,5 +173,5 @@ def test_a_robot_that_runs_keeps_it_or_takes_a_built_in_one() -> None:
 
 
 def test_a_trial_finds_what_is_wrong_with_a_planner() -> None:
-    assert "it finds no path where navfn finds one" in try_planner("lab/nothing", 0, 60.0).faults
+    assert "the planner finds no path where navfn finds a path" in try_planner("lab/nothing", 0, 60.0).faults
     assert any("leads through an obstacle" in problem for problem in try_planner("lab/straight", 0, 60.0).faults)

@@ -178,7 +178,7 @@ def test_parameters_without_plugins_load_none(monkeypatch: pytest.MonkeyPatch) -
     ("name", "problem"),
     [
         ("fickle", NOT_DETERMINED),
-        pytest.param("ahead", "it has not ended after 30 s", marks=pytest.mark.slow),
+        pytest.param("ahead", "the behavior has not ended after 30 s", marks=pytest.mark.slow),
         ("tuples", "the recovery behavior tuples failed: a tuple is neither a Twist nor None"),
     ],
 )

@@ -1,1 +1,1 @@
-"""Replay of recordings: a fresh session gets the recorded inputs, and must send the recorded messages."""
+"""Replay of recordings: a new session gets the recorded inputs, and must send the recorded messages."""

@@ -1,7 +1,7 @@
-"""Replay of MAVLink frames: a fresh session gets the frames that a recording's vehicles received, and no other input.
+"""Replay of MAVLink frames: a new session gets the frames that a recording's vehicles received, and no other input.
 
-Any bag with topics `/robotN/mavlink/to` is accepted, also one recorded by mavros. Each frame goes to the robot of its
-topic, in the tick in which it was recorded.
+Any bag with topics `/robotN/mavlink/to` is accepted, also a bag by mavros. The robot of the topic receives each frame,
+in the tick in which the frame was recorded.
 """
 
 import dataclasses
@@ -38,7 +38,7 @@ from thbridge.timing.pacer import Pacer
 
 _TOPIC = re.compile(r"(?:/robot([1-9]\d{0,2}))?/mavlink/to")
 _LEAD = 1_000_000_000
-"""Nanoseconds before the first message of another program's bag, in which the game begins."""
+"""Nanoseconds by which a game begins before the first message, if another program recorded the bag."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +46,9 @@ class FramesOptions:
     """Options of a replay of frames.
 
     Attributes:
-        rate: simulated seconds per second; 0 runs as fast as possible.
-        to: path of a new recording; None if there is none.
-        longer: seconds to continue after the end of the recording.
+        rate: simulated seconds per second; 0 means as fast as possible.
+        to: path of a new recording. If None, nothing is recorded.
+        longer: duration in seconds for which the session continues after the end of the recording.
     """
 
     rate: float = 0.0
@@ -63,7 +63,7 @@ class Arrival:
     Attributes:
         robot: number of the robot, from 1.
         room: number of the room, from 1.
-        seconds: session time.
+        seconds: session time of the arrival.
     """
 
     robot: RobotNumber
@@ -76,8 +76,8 @@ class HuntResult:
     """Result of a game.
 
     Attributes:
-        arrivals: arrivals in order.
-        score: points; 0 before the first.
+        arrivals: arrivals, in order.
+        score: points; 0 if there are no points yet.
     """
 
     arrivals: tuple[Arrival, ...]
@@ -94,15 +94,15 @@ class FramesReplayed:
     """Result of a replay of frames.
 
     Attributes:
-        frames: number of frames given to vehicles.
+        frames: number of frames that vehicles received.
         unusable: number of messages without a frame, or for a robot that does not exist.
-        ticks: number of ticks run.
+        ticks: number of ticks of the replay.
         recorded: result of the recorded game; None if the recording has no game.
-        replayed: result of the fresh session's game.
-        compared: number of true poses compared with the recorded ones.
-        parted: session time, in seconds, of the first pose that differs in any bit; None if all are equal.
-        finished: True when the end was reached, False when the replay was stopped.
-        wall_seconds: real time of the replay.
+        replayed: result of the new session's game.
+        compared: number of true poses that were compared with recorded poses.
+        parted: session time, in seconds, of the first pose that is not bit-identical; None if all poses are equal.
+        finished: True if the end was reached, False if the replay was stopped.
+        wall_seconds: real time of the replay, seconds.
     """
 
     frames: int
@@ -117,13 +117,13 @@ class FramesReplayed:
 
     @property
     def same(self) -> bool:
-        """True when rooms were reached in the recorded order, with the recorded score."""
+        """True if robots reached the rooms in the recorded order, and the score is the recorded score."""
         was, now = self.recorded, self.replayed
         return was is not None and (was.order, was.score) == (now.order, now.score)
 
 
 def has_session(path: Path) -> bool:
-    """Return True when a bag contains its study. Raises BadFile when it cannot be read."""
+    """Return True if a bag contains its study. Raises BadFile: the bag cannot be read."""
     return _is_ours(bag_reader.info(path))
 
 
@@ -132,7 +132,7 @@ def _is_ours(info: BagInfo) -> bool:
 
 
 def hunt_result_of(path: Path) -> HuntResult:
-    """Return the result of a recorded game. Raises BadFile."""
+    """Return the result of a recorded game. Raises BadFile: the recording cannot be read."""
     arrivals: list[Arrival] = []
     score = 0
     for message in bag_reader.messages(path, [names.GAME_EVENTS, names.SCORE]):
@@ -154,16 +154,16 @@ def _arrival(event: GameEvent, stamp_ns: int) -> Iterator[Arrival]:
 async def replay_frames(
     path: Path, setting: StudySetting, options: FramesOptions, progress: Callable[[TickRecord], None]
 ) -> FramesReplayed:
-    """Give the frames of a recording to a fresh session.
+    """Give the frames of a recording to a new session.
 
     Args:
-        path: the bag.
-        setting: the study; its robots become vehicles even if the study does not say so.
+        path: path of the bag.
+        setting: the study; its robots become MAVLink vehicles in any case.
         options: options of the replay.
-        progress: called with every tick.
+        progress: callback with each tick.
 
     Raises:
-        BadFile: the bag cannot be read or has no frames, or the new one cannot be written (as `BagNotWritten`).
+        BadFile: the bag cannot be read or has no frames, or the new bag cannot be written (`BagNotWritten`).
     """
     setting = _with_vehicles(setting)
     info = bag_reader.info(path)
@@ -171,7 +171,7 @@ async def replay_frames(
     last_tick = frames.tick_at(info.end_ns or 0) + round(options.longer * TICKS_PER_SECOND)
     has_hunt = _is_ours(info) and any(topic.name == names.GAME_EVENTS for topic in info.topics)
     recorded = hunt_result_of(path) if has_hunt else None
-    # The true poses in a bag of another program cannot be compared.
+    # True poses in a bag by another program cannot be compared.
     poses, hunt = _PoseComparison(path, setting.study.robots if _is_ours(info) else 0), _HuntRecorder()
     with ExitStack() as opened:
         listening: list[Listener] = [poses]
@@ -207,10 +207,10 @@ def _with_vehicles(setting: StudySetting) -> StudySetting:
 
 
 class _RecordedFrames:
-    """The recorded frames, which are given to the vehicles of the fresh session.
+    """Recorded frames, which the vehicles of the new session receive.
 
     Attributes:
-        given: number of frames so far.
+        given: number of frames that vehicles have received.
         unusable: number of messages without a frame, or for a robot that does not exist.
     """
 
@@ -227,11 +227,11 @@ class _RecordedFrames:
         self._links: dict[str, LinkId] = {}
 
     def tick_at(self, stamp_ns: int) -> int:
-        """Return the tick that was recorded with this stamp."""
+        """Return the tick that has this stamp in the recording."""
         return (stamp_ns - self._start_ns) // TICK_NS
 
     def give(self, session: Session, robots: int) -> None:
-        """Give the session the frames up to its next tick; `robots` is the size of its team."""
+        """Give the frames up to the next tick to the session; `robots` is the number of robots of the session."""
         while self._next is not None and self.tick_at(self._next.stamp_ns) <= session.tick + 1:
             message, self._next = self._next, next(self._messages, None)
             robot = self._robots[message.topic]
@@ -251,7 +251,10 @@ class _RecordedFrames:
 
 
 def _robot_of(topic: str) -> int | None:
-    """Return the index of the robot that receives a topic's frames (0 without a number); None for another topic."""
+    """Return the index of the robot that receives the frames of a topic; None if the topic has no frames.
+
+    Without a number in the topic, the index is 0.
+    """
     match = _TOPIC.fullmatch(topic)
     return None if match is None else index_of(int(match[1] or 1))
 
@@ -260,8 +263,8 @@ class _PoseComparison:
     """Comparison of the robots' true poses with a recording.
 
     Attributes:
-        compared: number of poses compared.
-        parted: session time of the first pose that differs, seconds.
+        compared: number of compared poses.
+        parted: session time of the first pose that differs, seconds; None if all poses are equal.
     """
 
     def __init__(self, path: Path, robots: int) -> None:
@@ -271,7 +274,7 @@ class _PoseComparison:
         self._recorded = bag_reader.messages(path, self._topics)
 
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
-        """See `Listener`."""
+        """Compare the poses of a tick; see `Listener`."""
         if self.parted is not None:
             return
         for message in messages:
@@ -294,7 +297,7 @@ class _HuntRecorder:
         self.score = 0
 
     def record(self, record: TickRecord) -> None:
-        """See `TickRecorder`."""
+        """Record the result after a tick; see `TickRecorder`."""
         for event in record.events:
             if isinstance(event, RobotArrived) and record.snapshot is not None:
                 seconds = record.snapshot.tick * TICK

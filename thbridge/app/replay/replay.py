@@ -1,8 +1,8 @@
-"""Replay: a fresh session gets the inputs of a recorded session, and must send the same messages.
+"""Replay: a new session gets the inputs of a recorded session, and must send the same messages.
 
-A recording is read a tick at a time. The fresh session receives the inputs of the tick through the same methods as the
-recorded one. Each message that it sends is compared with the recorded one, bit for bit. The session record is left out:
-it contains the versions of the programs, which may have changed since.
+A recording is read tick by tick. The new session receives the inputs of a tick through the same methods as the recorded
+session. Each of its messages is compared with the recorded message, bit for bit. The session record is not compared,
+because it contains versions of programs, which may have changed since the recording.
 """
 
 from collections import Counter
@@ -51,23 +51,25 @@ from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 
 BEFORE_THERE_WERE = (StudyChange("robot.amcl.odom_noise_learning_rate", "0"),)
-"""Keys that the studies of older recordings lack, with values that reproduce the robots' behavior of that time."""
+"""Keys that are missing in the studies of older recordings, with values that reproduce the robots' behavior then."""
 NOT_IN_OLDER = frozenset({names.ROOMS, names.DIAGNOSTICS, names.ROSOUT})
-"""Topics that are not compared if the recording has no names of rooms. Later releases record these names; their
-diagnostics and log also name the robot for which another one makes way."""
+"""Topics that are not compared if the recording is older than the topic with the names of rooms.
+
+Diagnostics and log of later releases also name the robot to which another robot gives way.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """The first message that differs between a replay and its recording.
+    """First difference between a replay and its recording.
 
     Attributes:
         number: number of the message among all compared messages, from 1.
-        topic: topic of the recorded message, or of the new one if no message was recorded.
+        topic: topic of the recorded message or, if no message was recorded, of the new message.
         topic_number: number of the message within its topic, from 1.
         seconds: session time of the message.
-        what: one sentence.
-        fields: recorded and new values, if both are messages of one type.
+        what: sentence about the difference.
+        fields: recorded and new values, if both messages are of the same type.
     """
 
     number: int
@@ -83,13 +85,13 @@ class Replayed:
     """Result of a replay.
 
     Attributes:
-        ticks: number of ticks run.
-        messages: number of messages found equal.
-        difference: the first difference; None if all messages were equal.
-        cut_off: True when the recording ends in the middle of a tick, and all recorded messages of that tick are equal.
-        finished: True when the recording's end or a difference was reached, False when the replay was stopped.
-        wall_seconds: real time of the replay.
-        reworded: number of messages found equal only in today's words; see `rewordings`.
+        ticks: number of ticks of the replay.
+        messages: number of equal messages.
+        difference: the first difference; None if all messages are equal.
+        cut_off: True if the recording ends in the middle of a tick whose recorded messages are all equal.
+        finished: True if the replay has reached a difference or the end; False if it was stopped.
+        wall_seconds: real time of the replay, seconds.
+        reworded: number of messages that are equal only after old wordings are replaced; see `rewordings`.
     """
 
     ticks: int
@@ -106,12 +108,12 @@ class ReplayOptions:
     """Options of a replay.
 
     Attributes:
-        rate: simulated seconds per second; 0 runs as fast as possible.
-        start: session time in seconds. Up to this time, the replay runs as fast as possible, regardless of `rate`.
-        to: path of a new recording; None if there is none.
+        rate: simulated seconds per second; 0 means as fast as possible.
+        start: session time in seconds up to which the replay runs as fast as possible, regardless of `rate`.
+        to: path of a new recording. If None, nothing is recorded.
         to_the_end: True to continue after a difference.
-        participant: name of a simulated participant that replaces the recorded one. If None, the recorded
-            participant's messages are sent again, even if they no longer fit.
+        participant: name of a simulated participant that replaces the recorded participant. If None, the recorded
+            participant's messages are sent again, even if they do not fit a changed study.
     """
 
     rate: float
@@ -123,7 +125,7 @@ class ReplayOptions:
 
 @dataclass(frozen=True, slots=True)
 class RecordedTick:
-    """One tick of a recording: its inputs and all its messages."""
+    """One tick of a recording: inputs and messages."""
 
     number: int
     inputs: tuple[inputs.Input, ...]
@@ -134,29 +136,31 @@ def session_of(path: Path) -> SessionRecord:
     """Return the session record of a recording.
 
     Raises:
-        BadFile: it cannot be read, thbridge did not record it, another release recorded it, or its robots were real.
+        BadFile: the recording cannot be read, is not by this release of thbridge, or has real robots.
     """
     first = next(bag_reader.messages(path, [names.SESSION]), None)
     if first is None:
-        problem = f"this bag has no session of thbridge: no topic {names.SESSION}"
+        problem = f"this bag is not a recording by thbridge: the topic {names.SESSION} is missing"
         raise BadFile(path, problem, "name a bag that `thbridge play` or `thbridge simr` recorded")
     if first.md5 != types.plain_definition(types.SESSION).md5:
-        problem = "another release of this program recorded it, so the same inputs would have other results"
-        raise BadFile(path, problem, "replay it with that release", key=names.SESSION)
+        problem = "another release of thbridge made this recording, so the same inputs would have other results"
+        raise BadFile(path, problem, "replay the recording with that release", key=names.SESSION)
     try:
         record = unpack.session(first.data)
     except ValueError as error:
         raise BadFile(path, str(error), "name another recording", key=names.SESSION) from None
     if record.program not in {PLAY, SIMR}:
-        raise BadFile(path, f"no program is called {record.program!r}", "name another recording", key=names.SESSION)
+        problem = f"there is no program with the recorded name {record.program!r}"
+        raise BadFile(path, problem, "name another recording", key=names.SESSION)
     if read_study_text(path, record.study).robots_from is RobotsFrom.ROS:
         problem = "its robots were real, and cannot be run again"
-        raise BadFile(path, problem, "view it with `thbridge report` or `thbridge bag plot`", key=names.SESSION)
+        remedy = "view the recording with `thbridge report` or `thbridge bag plot`"
+        raise BadFile(path, problem, remedy, key=names.SESSION)
     return record
 
 
 def recorded_study(path: Path, record: SessionRecord) -> Study:
-    """Return the study of a recording, completed by `BEFORE_THERE_WERE` so that robots act as they did.
+    """Return the study of a recording. Keys of `BEFORE_THERE_WERE` are added, so that robots behave as they did.
 
     Raises:
         BadFile: the recorded study is not valid.
@@ -167,7 +171,7 @@ def recorded_study(path: Path, record: SessionRecord) -> Study:
 
 
 def _recorded_by(path: Path, record: SessionRecord) -> MessageFilter:
-    """Return the filter of the messages that a session recorded, also for studies that are older than its keys."""
+    """Return the filter of the messages that a session recorded, also for studies that lack the filter's keys."""
     loaded = load_study_tree(path, parse(path, record.study))
     chosen, written = loaded.value.recording, loaded.lines
     detail = chosen.detail if "recording.detail" in written else RecordingDetail.ALL
@@ -178,7 +182,7 @@ def _recorded_by(path: Path, record: SessionRecord) -> MessageFilter:
 
 
 def _not_in(topics: Collection[str], robots: int) -> frozenset[str]:
-    """Return the topics that are not compared because the release that made a recording with `topics` lacked them."""
+    """Return the topics that are not compared, because the release that recorded `topics` did not have them."""
     older = NOT_IN_OLDER if names.ROOMS not in topics else frozenset()
     p_wrong = frozenset(names.RobotNames.of(robot).topic(P_WRONG) for robot in range(robots))
     return older if p_wrong & set(topics) else older | p_wrong
@@ -189,7 +193,7 @@ def _is_advice(message: RosMessage) -> bool:
 
 
 def ticks_of(path: Path) -> Iterator[RecordedTick]:
-    """Yield a recording tick by tick. Raises BadFile."""
+    """Yield a recording tick by tick. Raises BadFile: the recording cannot be read."""
     for stamp_ns, messages in groupby(bag_reader.messages(path), key=lambda message: message.stamp_ns):
         recorded = tuple(message for message in messages if message.topic != names.SESSION)
         given = tuple(_input(path, message) for message in recorded if message.topic == names.INPUTS)
@@ -200,20 +204,21 @@ def _input(path: Path, message: RawMessage) -> inputs.Input:
     try:
         return from_record(unpack.outside_input(message.data))
     except ValueError as error:
-        raise BadFile(path, str(error), "replay it with the release that recorded it", key=names.INPUTS) from None
+        remedy = "replay the recording with the release that made it"
+        raise BadFile(path, str(error), remedy, key=names.INPUTS) from None
 
 
 class RecordingReplay:
-    """A recording that is run again, tick by tick; a context manager, which keeps the new recording open.
+    """Replay of a recording, tick by tick; a context manager that keeps the new recording open.
 
     Args:
-        path: the bag.
+        path: path of the bag.
         setting: the study to run: the recorded study, or a changed study.
         options: options of the replay.
-        progress: called with every tick from `options.start` on.
+        progress: callback with each tick from `options.start` on.
 
     Raises:
-        BadFile: the bag cannot be read, or the new one cannot be written (as `BagNotWritten`). Methods raise it too.
+        BadFile: the bag cannot be read, or the new bag cannot be written (`BagNotWritten`). All methods can raise it.
     """
 
     def __init__(
@@ -245,7 +250,7 @@ class RecordingReplay:
         if was is None:
             self._over = True
             return False
-        if was.number > 0:  # The opening messages have tick 0 and come before all steps.
+        if was.number > 0:  # The first messages have tick 0, and no step belongs to them.
             for item in was.inputs:
                 self._give(item)
             self._session.step()
@@ -254,7 +259,7 @@ class RecordingReplay:
         return not self._over
 
     def result(self, wall_seconds: float) -> Replayed:
-        """Return the result so far; `wall_seconds` is the elapsed real time."""
+        """Return the result so far; `wall_seconds` is the real time so far."""
         done = self._comparison
         return Replayed(
             self._session.tick,
@@ -292,7 +297,7 @@ async def replay(
 def _replayed_session(
     setting: StudySetting, record: SessionRecord, participant: str | None, recorders: Sequence[TickRecorder]
 ) -> tuple[Session | SimrSession, Callable[[inputs.Input], None]]:
-    """Return a fresh session like the recorded one, and a function that gives it all inputs, also the participant's."""
+    """Return a new session like the recorded session, and a function that gives an input to the new session."""
     if record.program == SIMR:
         alone = SimrSession(build_simr(setting), recorders)
         return alone, partial(_give_to_simr, alone)
@@ -318,7 +323,7 @@ def _give_to_simr(session: SimrSession, item: inputs.Input) -> None:
 
 
 class _ProgressReporter:
-    """Recorder that passes tick records on from a start time, in seconds."""
+    """Recorder that passes tick records to a callback, from a start time (seconds) on."""
 
     def __init__(self, progress: Callable[[TickRecord], None], start: float) -> None:
         self._progress = progress
@@ -330,7 +335,7 @@ class _ProgressReporter:
 
 
 class _MessageBuffer:
-    """Buffer of the messages that a recording keeps, emptied by `drain`."""
+    """Buffer of the messages that a recording would contain; `drain` empties the buffer."""
 
     def __init__(self, keep: MessageFilter) -> None:
         self._keep = keep
@@ -352,8 +357,8 @@ class Comparison:
         left_out: topics that are not compared.
 
     Attributes:
-        messages: number of messages found equal.
-        reworded: number of messages found equal only in today's words.
+        messages: number of equal messages.
+        reworded: number of messages that are equal only after old wordings are replaced.
         difference: the first difference; None as long as all messages are equal.
     """
 
@@ -366,14 +371,14 @@ class Comparison:
 
     @property
     def cut_off(self) -> bool:
-        """True when the recording ends in the middle of its last tick, as after a program was killed."""
+        """True if the recording ends in the middle of a tick, as after a crash of the program."""
         return self._missing is not None
 
     def compare(self, was: Sequence[RawMessage], now: Sequence[RosMessage]) -> None:
         """Compare the messages of the next tick."""
         if self.difference is not None:
             return
-        # At the end of a recording, missing messages are no difference. Here, however, the recording has another tick.
+        # In the last tick of a recording, missing messages are no difference. But the earlier tick was not the last.
         if self._missing is not None:
             self.difference, self._missing = self._missing, None
             return
@@ -382,7 +387,7 @@ class Comparison:
         for before, after in zip_longest(was, now):
             if before is None:
                 self._missing = self._difference(
-                    after.topic.name, after.stamp_ns, "the replay sends it, but it was not recorded"
+                    after.topic.name, after.stamp_ns, "the replay sends this message, but it was not recorded"
                 )
                 return
             self.difference = self._compared(before, after)
@@ -393,19 +398,22 @@ class Comparison:
 
     def _compared(self, was: RawMessage, now: RosMessage | None) -> Difference | None:
         if now is None:
-            return self._difference(was.topic, was.stamp_ns, "it was recorded, but the replay does not send it")
+            what = "this message was recorded, but the replay does not send it"
+            return self._difference(was.topic, was.stamp_ns, what)
         topic, stamp_ns, data, _ = now
         if topic.name != was.topic:
-            return self._difference(was.topic, was.stamp_ns, f"the replay sends a message on {topic.name} instead")
+            what = f"instead of this message, the replay sends a message on {topic.name}"
+            return self._difference(was.topic, was.stamp_ns, what)
         if stamp_ns != was.stamp_ns:
             return self._difference(
-                was.topic, was.stamp_ns, f"its time differs by {(stamp_ns - was.stamp_ns) / 1e9:+g} s"
+                was.topic, was.stamp_ns, f"the times differ by {(stamp_ns - was.stamp_ns) / 1e9:+g} s"
             )
         if data == was.data:
             return None
         if topic.msgtype != was.msgtype or types.plain_definition(topic.msgtype).md5 != was.md5:
-            return self._difference(was.topic, was.stamp_ns, f"its type {was.msgtype} is that of another release")
-        # Done only here, because it decodes both messages, and nearly all messages are already equal as bytes.
+            what = f"the type {was.msgtype} has another definition in this release"
+            return self._difference(was.topic, was.stamp_ns, what)
+        # This comparison is the last, because it decodes both messages. Nearly all messages are equal as bytes.
         recorded = reworded(topic.msgtype, was.data, data)
         if data == recorded:
             self.reworded += 1
@@ -413,8 +421,8 @@ class Comparison:
         try:
             fields = differences(topic.msgtype, recorded, data)
         except ValueError as error:
-            return self._difference(was.topic, was.stamp_ns, f"its content differs; {error}")
-        return self._difference(was.topic, was.stamp_ns, "its content differs", fields)
+            return self._difference(was.topic, was.stamp_ns, f"the contents differ; {error}")
+        return self._difference(was.topic, was.stamp_ns, "the contents differ", fields)
 
     def _difference(self, topic: str, stamp_ns: int, what: str, fields: tuple[FieldDifference, ...] = ()) -> Difference:
         seconds = (stamp_ns - START_NS) / 1e9

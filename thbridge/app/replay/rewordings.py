@@ -1,10 +1,10 @@
-"""Recorded texts that have been reworded since, so that recordings with the old wording still replay as equal.
+"""Old and present wordings of recorded texts, so that the replay of an old recording counts as equal.
 
-A session records sentences for people: reasons of failed moves, log lines, diagnostics, descriptions of inputs. A fresh
-session writes them in today's words. When such a text is reworded, its old wording gets a row in `_ROWS`. The row stays
-as long as recordings with the old wording are replayed. Recordings keep their bytes: `reworded` returns a copy.
+A session records sentences for people: reasons of failed moves, log lines, diagnostics, descriptions of inputs. A new
+session writes the present wordings. When a recorded text is reworded, the old wording gets a row in `_ROWS`, as long as
+recordings with the old wording must be replayed. Recordings are not changed: `reworded` returns a copy.
 
-Texts inside MAVLink frames are not covered. A frame has a checksum, and a longer sentence needs more frames.
+Texts in MAVLink frames are not replaced, because a frame has a checksum, and a longer sentence needs more frames.
 """
 
 import re
@@ -83,29 +83,29 @@ _ROWS = (
     (r"^somebody has been silent for long$", "a silent client is pinged or dropped"),
     (r"^robots say that they are there$", "the vehicles send heartbeats"),
 )
-"""Old wordings as patterns, with the present wordings, in the order in which they are applied."""
+"""Patterns of old wordings, each with the present wording, in the order of replacement."""
 _REWORDINGS = tuple((re.compile(old, re.DOTALL), new) for old, new in _ROWS)
 
 
 def in_present_words(text: str) -> str:
-    """Return a recorded text in today's words; a text without an old wording is returned as it is."""
+    """Return a recorded text with present wordings; unchanged if the text has no old wording."""
     for old, new in _REWORDINGS:
         text = old.sub(new, text)
     return text
 
 
 def reworded(msgtype: str, was: bytes, now: bytes) -> bytes:
-    """Return a recorded message with today's words in all strings that differ from a replayed message.
+    """Return a recorded message with present wordings in all strings that differ from a replayed message.
 
-    A string that is equal in both stays as it is: it came from outside, or has not been reworded.
+    Equal strings are not changed: they come from outside, or were not reworded.
 
     Args:
         msgtype: type of both messages.
         was: the recorded message.
-        now: the replayed one.
+        now: the replayed message.
 
     Returns:
-        The message with the new strings, or `was` itself if there is nothing to reword or it cannot be read.
+        The message with the new strings, or `was` itself if no string was reworded or the message is unreadable.
     """
     store, name = typestore(), normalize_msgtype(msgtype)
     try:
@@ -116,7 +116,7 @@ def reworded(msgtype: str, was: bytes, now: bytes) -> bytes:
 
 
 def _reword(was: object, now: object) -> bool:
-    """Reword the strings of a message in place; return True when one has changed."""
+    """Replace old wordings in the strings of a message in place; return True if a string has changed."""
     changed = False
     if isinstance(was, list) and isinstance(now, list):
         for index, (before, after) in enumerate(zip(was, now, strict=False)):
@@ -129,7 +129,7 @@ def _reword(was: object, now: object) -> bool:
     elif is_dataclass(was) and type(was) is type(now):
         for field in fields(was):
             if field.name.startswith("__"):
-                continue  # The type's name is a field of rosbags' classes.
+                continue  # In the classes of rosbags, the name of the type is a field.
             before, after = getattr(was, field.name), getattr(now, field.name)
             if isinstance(before, str):
                 new = _present(before, after)

@@ -1,1 +1,1 @@
-"""The session: roles around one router, the tick they share, inputs from outside, recording."""
+"""Session: roles that exchange messages through one router, common ticks, inputs from outside, and recording."""

@@ -1,4 +1,4 @@
-"""Broadcast of a session's ROS messages to its listeners: a bag, a ROS graph, a watch server."""
+"""Broadcast of a session's ROS messages to listeners: a bag, a ROS graph, a watch server."""
 
 from collections.abc import Iterable, Sequence
 from typing import Protocol
@@ -14,17 +14,17 @@ class Listener(Protocol):
     """Receiver of a session's messages."""
 
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
-        """Receive the messages of one tick; ticks come in order. May raise; the session then ends."""
+        """Receive the messages of one tick. Ticks are in order. If this raises an exception, the session ends."""
 
 
 class Broadcast:
-    """Conversion of ticks to messages, once for all listeners, so that live and recorded messages are the same.
+    """Conversion of ticks into messages, once for all listeners, so that live and recorded messages are equal.
 
     Args:
         publisher: publisher of the team.
-        session: the record from which the session can be replayed; sent first.
+        session: the record from which the session can be replayed. It is sent first.
         grid: the map.
-        listeners: receivers of the messages; they get the opening messages at once.
+        listeners: receivers of the messages. They get the first messages at once.
     """
 
     def __init__(
@@ -35,7 +35,7 @@ class Broadcast:
         self._send(0, publisher.opening(0, session, grid))
 
     def record(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> None:
-        """Send one tick. Ticks come in order, from 0 on. Raises what a listener raises."""
+        """Send the messages of one tick. Ticks are in order, from 0. Exceptions of listeners are raised."""
         self._send(snapshot.tick, self._publisher.tick(snapshot, records))
 
     def _send(self, tick: int, messages: Sequence[RosMessage]) -> None:

@@ -1,4 +1,4 @@
-"""Recorded inputs, given to a session again through the methods that received them in the recorded session."""
+"""Function that gives recorded inputs to a new session, through the methods that received them when recorded."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from thbridge.text_protocol.wire.lines import TextMessage
 
 
 class RecordedParticipant:
-    """The participant of a replay, which sends the messages of the recorded participant."""
+    """Participant of a replay, which sends the messages of the recorded participant."""
 
     name = legacy.TABUI
 
@@ -17,14 +17,14 @@ class RecordedParticipant:
         self._lines: list[TextMessage] = []
 
     def connected(self) -> None:
-        """Do nothing: the recorded messages include the participant's introduction."""
+        """Do nothing, because the recorded messages include the participant's introduction."""
 
     def prompt(self, line: TextMessage) -> None:
-        """Send this message in the next step."""
+        """Queue a message, which the next step sends."""
         self._lines.append(line)
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
-        """See `Role`."""
+        """Return the queued messages; see `Role`."""
         lines, self._lines = self._lines, []
         return lines
 

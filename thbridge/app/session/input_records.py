@@ -1,4 +1,4 @@
-"""Inputs of a session as records of a bag, and requests as JSON for other programs; both hold all fields."""
+"""Conversion of inputs into records of a bag, and of requests into JSON for other programs, with all fields."""
 
 import json
 from dataclasses import replace
@@ -33,13 +33,13 @@ _CLASSES: dict[str, type[inputs.Input]] = {
     "framed": inputs.FrameReceived,
     "keptalive": inputs.HeartbeatsSent,
 }
-"""Classes of inputs by their kinds in recordings."""
+"""Classes of inputs, by the kind of the input in recordings."""
 _KINDS = {input_class: kind for kind, input_class in _CLASSES.items()}
 _REQUEST_NAMES = {request_class: name for name, request_class in {**REQUESTS, **PACE_REQUESTS}.items()}
 
 
 def to_record(item: inputs.Input) -> InputRecord:
-    """Return the record of an input, which contains the whole input."""
+    """Return the record of an input, from which the input can be restored."""
     kind = _KINDS[type(item)]
     if isinstance(item, inputs.ClientRequest):
         line = _readable(f"{_REQUEST_NAMES[type(item.request)]} {_json(item.request)}")
@@ -51,7 +51,7 @@ def from_record(record: InputRecord) -> inputs.Input:
     """Return the input of a record.
 
     Raises:
-        ValueError: it is not an input, or it is an input of another release.
+        ValueError: the record is not an input, or is an input of another release.
     """
     input_class = _CLASSES.get(record.kind)
     if input_class is None:
@@ -61,27 +61,27 @@ def from_record(record: InputRecord) -> inputs.Input:
 
 
 def encode_request(sender: str, request: Request | PaceRequest) -> str:
-    """Return a request as JSON in one line: sender, name, fields."""
+    """Return a request as JSON in one line, with sender, name and fields."""
     name = _REQUEST_NAMES[type(request)]
     return f'{{"sender":{json.dumps(sender)},"request":{json.dumps(name)},"fields":{_json(request)}}}'
 
 
 def decode_request(value: object) -> inputs.ClientRequest:
-    """Return the request that this JSON represents.
+    """Return the request in a JSON value.
 
     Raises:
-        ValueError: it is not a request.
+        ValueError: the value is not a request.
     """
     match value:
         case {"sender": str(sender), "request": str(name), "fields": fields} if name in REQUESTS:
             return inputs.ClientRequest(sender, _with_owner(decode_value(fields, REQUESTS[name])))
-    raise ValueError("there is no such request")
+    raise ValueError("the request is unknown or invalid")
 
 
 def _for_people(item: inputs.Input) -> tuple[str, str]:
     """Return the sender of an input, and a description for people.
 
-    Both are recorded: a reworded description needs a row in `thbridge.app.replay.rewordings`.
+    Both texts are recorded. If a description is reworded, it needs a row in `thbridge.app.replay.rewordings`.
     """
     match item:
         case inputs.ConnectionOpened(connection, _, credentials):
@@ -112,17 +112,17 @@ def _for_people(item: inputs.Input) -> tuple[str, str]:
 
 
 def _readable(text: str) -> str:
-    """Return text that can be stored in a bag: characters outside UTF-8 (lone surrogates) become question marks."""
+    """Return a text for a bag: characters that UTF-8 cannot encode (lone surrogates) become question marks."""
     return text.encode(errors="replace").decode()
 
 
 def _json(value: object) -> str:
-    """Return a dataclass as JSON: floats with all digits, infinities and NaN by Python's names, bytes in base 64."""
+    """Return a dataclass as JSON: floats with all digits, infinity and NaN as Python names them, bytes in base 64."""
     return json.dumps(_fields(value), separators=(",", ":"))
 
 
 def _fields(value: object) -> object:
-    """Return a dataclass as builtins; a goal has its recorded number, which contains its owner."""
+    """Return a dataclass as builtins. A goal is represented by the recorded number, which contains its owner."""
     fields: dict[str, object] = msgspec.to_builtins(value, enc_hook=_plain)
     match value:
         case SendGoal(_, goal):
@@ -134,12 +134,12 @@ def _fields(value: object) -> object:
         case GoalRequest(number=number):
             fields["number"] = recorded_number(GoalOwner.ROS_CLIENT, number)
         case inputs.ConnectionOpened(credentials=credentials) if credentials == LOCAL:
-            del fields["credentials"]  # The default: nearly all connections are of this machine.
+            del fields["credentials"]  # This is the default, because nearly all connections are from this machine.
     return fields
 
 
 def _with_owner(request: Request) -> Request:
-    """Return a request with its goal's owner and the owner's own number, both from the recorded number."""
+    """Return a request in which the goal has an owner and the owner's number, both from the recorded number."""
     match request:
         case SendGoal(_, goal):
             owner, number = owned_number(goal.id)
@@ -160,7 +160,7 @@ def _plain(value: object) -> object:
 
 
 def decode_value(value: object, kind: type[T]) -> T:
-    """Return the dataclass of a JSON value. Raises ValueError."""
+    """Convert a JSON value into a dataclass. Raises ValueError: the value does not fit."""
     try:
         return msgspec.convert(value, kind, dec_hook=_array)
     except msgspec.ValidationError as error:

@@ -1,8 +1,8 @@
-"""Inputs of a session from outside: all that a run depends on in addition to its study.
+"""Inputs of a session from outside. Only the study and the inputs determine a run.
 
-Each input is a value. It arrives between two ticks and acts in the next one. Only a message of the participant in this
-process (a person or a bot) acts in the tick in which it was sent. A recording contains every input, before its effects.
-A session with the same inputs in the same ticks behaves identically.
+Each input is a value. It arrives between two ticks and acts in the next tick. There is one exception: a message of the
+participant in this process (a person or a bot) acts in the tick in which it was sent. A recording contains every input,
+before the effects of the input. Sessions with the same inputs in the same ticks are identical.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from thbridge.text_protocol.wire.router import ConnectionId
 
 @dataclass(frozen=True, slots=True)
 class ConnectionOpened:
-    """A connection was opened at the text server, at `now` seconds of its clock, with credentials."""
+    """Input: a connection was opened at the text server, at `now` seconds of the server's clock, with credentials."""
 
     connection: ConnectionId
     now: float
@@ -27,7 +27,7 @@ class ConnectionOpened:
 
 @dataclass(frozen=True, slots=True)
 class BytesReceived:
-    """Bytes came in at the text server: a line, or part of one. `sender` is the connection's name at that time."""
+    """Input: the text server received a line, or part of a line. `sender` is the connection's name at that time."""
 
     connection: ConnectionId
     sender: str
@@ -37,7 +37,7 @@ class BytesReceived:
 
 @dataclass(frozen=True, slots=True)
 class ConnectionClosed:
-    """A connection ended at the text server."""
+    """Input: a connection of the text server ended."""
 
     connection: ConnectionId
     sender: str
@@ -45,7 +45,7 @@ class ConnectionClosed:
 
 @dataclass(frozen=True, slots=True)
 class ConnectionBacklogged:
-    """A connection was closed because its client did not read: `size` bytes were queued for it."""
+    """Input: a connection was closed, because its client did not read, and `size` bytes were queued for this client."""
 
     connection: ConnectionId
     sender: str
@@ -54,33 +54,33 @@ class ConnectionBacklogged:
 
 @dataclass(frozen=True, slots=True)
 class ClockAdvanced:
-    """The text server's clock advanced to `now` seconds, and therefore a connection was pinged or dropped."""
+    """Input: the text server's clock advanced to `now` seconds, so that a connection was pinged or dropped."""
 
     now: float
 
 
 @dataclass(frozen=True, slots=True)
 class ParticipantSent:
-    """The participant inside this process sent a message."""
+    """Input: the participant in this process sent a message."""
 
     message: TextMessage
 
 
 @dataclass(frozen=True, slots=True)
 class NameAccepted:
-    """The server of another process has (again) accepted this program's name."""
+    """Input: the server of another process accepted this program's name, for the first time or again."""
 
 
 @dataclass(frozen=True, slots=True)
 class MessageForwarded:
-    """The server of another process forwarded a message to this program."""
+    """Input: the server of another process forwarded a message to this program."""
 
     message: TextMessage
 
 
 @dataclass(frozen=True, slots=True)
 class ClientRequest:
-    """A client, for example the ROS node of this name, sent a request."""
+    """Input: a client, for example the ROS node with the name `sender`, sent a request."""
 
     sender: str
     request: Request
@@ -88,12 +88,12 @@ class ClientRequest:
 
 @dataclass(frozen=True, slots=True)
 class LinkOpened:
-    """A link to the robots' vehicles was opened.
+    """Input: a link to the robots' vehicles was opened.
 
     Attributes:
-        link: its number.
+        link: number of the link.
         name: name of the link.
-        robot: index of the only robot on the link, from 0; None for all robots.
+        robot: index of the only robot on the link, from 0. If None, the link is for all robots.
     """
 
     link: LinkId
@@ -103,7 +103,7 @@ class LinkOpened:
 
 @dataclass(frozen=True, slots=True)
 class LinkClosed:
-    """A link ended; `sender` is its name."""
+    """Input: a link ended; `sender` is the name of the link."""
 
     link: LinkId
     sender: str
@@ -111,13 +111,14 @@ class LinkClosed:
 
 @dataclass(frozen=True, slots=True)
 class FrameReceived:
-    """A frame was received on a link, checked and without its signature.
+    """Input: a frame was received on a link.
 
     Attributes:
-        link: its number.
+        link: number of the link.
         sender: name of the link.
-        frame: the frame.
-        robot: index of the only robot that receives it, from 0; None for the robots that it addresses.
+        frame: the frame, checked and without signature.
+        robot: index of the only robot that receives the frame, from 0. If None, all robots that the frame addresses
+            receive it.
     """
 
     link: LinkId
@@ -128,7 +129,7 @@ class FrameReceived:
 
 @dataclass(frozen=True, slots=True)
 class HeartbeatsSent:
-    """The session was paused or slow, and vehicles sent heartbeats to ground stations in real time."""
+    """Input: vehicles sent heartbeats to ground stations in real time, because the session was paused or slow."""
 
 
 Input: TypeAlias = (

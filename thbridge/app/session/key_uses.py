@@ -1,4 +1,4 @@
-"""Uses of keys in a session, for the log of the game."""
+"""Uses of keys in a session, which are written to the log of the game."""
 
 from collections.abc import Sequence
 
@@ -6,26 +6,26 @@ from thbridge.hunt.events import KeyUsed
 from thbridge.text_protocol.wire.router import ClientJoined
 
 _MOST_GRANTED = 200
-"""Largest number of requests with keys before a tick that are logged one by one; a pause may have more."""
+"""Largest number of requests with keys that are logged one by one before a tick. More can occur during a pause."""
 
 
 class KeyUses:
-    """Requests that were granted to holders of keys since the last tick."""
+    """Requests with keys that were granted since the last tick."""
 
     def __init__(self) -> None:
         self._granted: list[tuple[str, str]] = []
 
     def granted(self, key: str, request: str) -> None:
-        """Note a request that was granted to the holder of a key."""
+        """Record a granted request of a client with a key."""
         if len(self._granted) <= _MOST_GRANTED:
             more = len(self._granted) == _MOST_GRANTED
             self._granted.append((key, f"more than {_MOST_GRANTED} times before the next tick" if more else request))
 
     def take(self, game: str, joined: Sequence[ClientJoined]) -> list[KeyUsed]:
-        """Return the entries for the log of a game; see `KeyUsed.run` for its name.
+        """Return the entries for the log of a game.
 
         Args:
-            game: its name; if empty, there is no game, and the requests so far are dropped.
+            game: name of the game, see `KeyUsed.run`. If empty, there is no game, and the requests so far are dropped.
             joined: programs that have joined with keys since the last tick.
         """
         granted, self._granted = self._granted, []

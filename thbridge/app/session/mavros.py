@@ -1,4 +1,4 @@
-"""Conversion of MAVLink frames and vehicle states to mavros' messages and back."""
+"""Conversion of MAVLink frames and vehicle states into messages of mavros and back."""
 
 from thbridge.mavlink.wire.dialect import crc_extra
 from thbridge.mavlink.wire.frames.frame import V1, V2, Frame
@@ -8,7 +8,7 @@ from thbridge.ros.messages.records import MavlinkFrame, VehicleFrame, VehicleSta
 
 
 def frame_record(traffic: Traffic) -> VehicleFrame:
-    """Return the record of a frame that a vehicle received or sent, for its topic."""
+    """Return the record of a frame that a vehicle received or sent."""
     frame = traffic.frame
     message = MavlinkFrame(
         link=traffic.link,
@@ -26,7 +26,7 @@ def frame_record(traffic: Traffic) -> VehicleFrame:
 
 
 def state_record(robot: int, status: VehicleStatus) -> VehicleState:
-    """Return the record of a vehicle's state, for its topic."""
+    """Return the record of a vehicle's state."""
     return VehicleState(
         robot=robot,
         connected=status.connected,
@@ -39,16 +39,16 @@ def state_record(robot: int, status: VehicleStatus) -> VehicleState:
 
 
 def frame_in(message: MavlinkFrame) -> Frame:
-    """Return the frame in a message, without its signature.
+    """Return the frame in a message, without signature.
 
     Raises:
-        ValueError: it is not a frame, or its MAVLink message is unknown.
+        ValueError: the message is not a frame, or the MAVLink message in the frame is unknown.
     """
     if message.magic not in {V1, V2}:
-        raise ValueError(f"a frame cannot begin with {message.magic}")
+        raise ValueError(f"the frame begins with {message.magic}, which is not a start byte of MAVLink")
     seed = crc_extra(message.message_id)
     if seed is None:
-        raise ValueError(f"there is no message {message.message_id}")
+        raise ValueError(f"the MAVLink message {message.message_id} is unknown")
     frame = Frame(
         system=message.system,
         component=message.component,
@@ -61,5 +61,5 @@ def frame_in(message: MavlinkFrame) -> Frame:
         compat_flags=message.compat_flags,
     )
     if frame.checksum != message.checksum:
-        raise ValueError(f"its checksum is {message.checksum}, but should be {frame.checksum}")
+        raise ValueError(f"the checksum is {message.checksum}, but should be {frame.checksum}")
     return frame.unsigned()

@@ -1,4 +1,4 @@
-"""Links of a session to its robots' vehicles, with the record of their inputs."""
+"""Links of a session to the robots' vehicles, which records the inputs of the links."""
 
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:  # Only sessions with robots need these.
 
 
 class RecordedLinks:
-    """Links of ground stations; everything received is an input of the next tick.
+    """Links of ground stations. All received frames are inputs of the next tick.
 
     Args:
         vehicles: the robots; None if they are not MAVLink vehicles.
@@ -30,7 +30,7 @@ class RecordedLinks:
 
         Args:
             name: name of the link.
-            robot: index of the only robot on the link, from 0; None for all robots.
+            robot: index of the only robot on the link, from 0. If None, the link is for all robots.
 
         Raises:
             ValueError: the robots are not MAVLink vehicles.
@@ -42,41 +42,42 @@ class RecordedLinks:
         return link
 
     def close_link(self, link: LinkId) -> None:
-        """Close a link, unless it is closed already."""
+        """Close a link; this has no effect if the link is already closed."""
         there = self.link(link)
         if self._vehicles is not None and there is not None:
             self._vehicles.hub.close(link)
             self._inputs.add(inputs.LinkClosed(link, there.name))
 
     def link(self, link: LinkId) -> HubLink | None:
-        """Return the state of an open link; None if there is no such link."""
+        """Return the state of an open link; None if the link is not open."""
         return None if self._vehicles is None else self._vehicles.hub.link(link)
 
     def receive_frame(self, link: LinkId, frame: Frame, robot: int | None = None) -> FrameOutcome:
         """Process a received frame.
 
-        It acts at once on the vehicles, in their state after the last tick. Requests of vehicles to robots and game act
-        in the next tick.
+        The frame acts at once on the vehicles, in their state after the last tick. Requests of vehicles to robots and
+        game act in the next tick.
 
         Args:
-            link: number of the link; a frame of an unknown link is dropped.
-            frame: checked, and without its signature.
-            robot: index of the only robot that receives it, from 0; None for the robots that it addresses.
+            link: number of the link. A frame of an unknown link is dropped.
+            frame: the frame, checked and without signature.
+            robot: index of the only robot that receives the frame, from 0. If None, all robots that the frame addresses
+                receive it.
 
         Returns:
-            The reason why it was dropped, or the frames sent in reply, for `transmit`.
+            The reason why the frame was dropped, or the frames sent in reply, for `transmit`.
         """
         there = self.link(link)
         if self._vehicles is None or there is None:
             return FrameOutcome()
         outcome = self._vehicles.hub.receive(link, frame, robot)
-        # A dropped frame is not recorded: it has no effect, and may contain a secret.
+        # A dropped frame is not recorded, because it has no effect, and may contain a secret.
         if outcome.dropped is None:
             self._inputs.add(inputs.FrameReceived(link, there.name, frame, robot))
         return outcome
 
     def keep_alive(self) -> list[OutgoingFrame]:
-        """Return heartbeats that are due in real time while the session is paused or slow."""
+        """Return the heartbeats that are due in real time while the session is paused or slow."""
         if self._vehicles is None:
             return []
         self._inputs.add(inputs.HeartbeatsSent())

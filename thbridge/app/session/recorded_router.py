@@ -1,4 +1,4 @@
-"""Router of a session for outside connections, with the record of their inputs."""
+"""Router of a session for connections from outside, which records their inputs."""
 
 from thbridge.app.session import inputs
 from thbridge.app.session.inputs import InputQueue
@@ -13,19 +13,22 @@ from thbridge.text_protocol.wire.router import (
 )
 
 _LINE = 256
-"""Bytes added to the length of each line when lines are counted, so that many short lines reach the limits too."""
+"""Number of bytes added to the length of each line in counts, so that many short lines also reach the limits."""
 _FEW_LINES, _MOST_OF_ONE, _MOST_OF_ALL = 2 * 1024, 32 * 1024, 128 * 1024
-"""Limits of bytes received between two ticks: always accepted from one connection, largest for one connection, largest
-for all connections together."""
+"""Limits for the number of bytes received between two ticks.
+
+The first number is always accepted from a connection. The second is the limit for one connection, the third for all
+connections together.
+"""
 
 
 class RecordedRouter:
-    """Router for a server of outside connections; everything received is an input of the next tick.
+    """Router for a server of connections from outside. All received data are inputs of the next tick.
 
-    See `RouterInterface` for the methods.
+    `RouterInterface` describes the methods.
 
     Args:
-        router: makes the decisions.
+        router: router that makes the decisions.
         queue: queue of the inputs.
     """
 
@@ -38,18 +41,18 @@ class RecordedRouter:
         self._joined: list[ClientJoined] = []
 
     def make_room(self, now: float) -> list[RouterOutput]:
-        """See the router. This call is not recorded, because a replay makes room before each recorded connection."""
+        """Make room for a connection. This is not recorded, because replays make room before each connection."""
         return self._noted(self._router.make_room(now))
 
     def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
-        """See the router, also for the methods below. Only calls that have an effect are recorded as inputs."""
+        """Open a connection. This and all following calls are only recorded as inputs if they have an effect."""
         connection = self._router.connect(now, credentials)
         if not isinstance(connection, TurnedAway):
             self._inputs.add(inputs.ConnectionOpened(connection, now, credentials))
         return connection
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
-        """Handle received bytes of a connection; each line is a separate input."""
+        """Process received bytes of a connection; each line is a separate input."""
         outputs: list[RouterOutput] = []
         for line in data.splitlines(keepends=True):
             sender = self._router.display_name(connection)
@@ -63,24 +66,24 @@ class RecordedRouter:
         return outputs
 
     def admits(self, connection: ConnectionId) -> bool:
-        """Return True when a connection may send another line before the next tick.
+        """Return True if a connection may send another line before the next tick.
 
-        Until the next tick, lines are kept in memory, during a pause for a long time. They are also recorded. Therefore
-        their amount is limited. The few lines of a well-behaved program are always accepted, even if other programs
-        send many lines.
+        Lines are stored in memory until the next tick, which can take long during a pause, and they are recorded. So
+        their number is limited. A few lines are always accepted from each program, even if other programs send many
+        lines.
         """
         said = self._said.get(connection, 0)
         return said < _FEW_LINES or (said < _MOST_OF_ONE and self._said_by_all < _MOST_OF_ALL)
 
     def eof(self, connection: ConnectionId) -> list[RouterOutput]:
-        """Note the end of a connection."""
+        """Record the end of a connection."""
         sender = self._router.display_name(connection)
         if sender is not None:
             self._inputs.add(inputs.ConnectionClosed(connection, sender))
         return self._noted(self._router.eof(connection))
 
     def report_backlog(self, connection: ConnectionId, size: int) -> list[RouterOutput]:
-        """Note that a connection's client does not read."""
+        """Record that the client of a connection does not read."""
         sender = self._router.display_name(connection)
         outputs = self._noted(self._router.report_backlog(connection, size))
         if sender is not None and outputs:
@@ -95,16 +98,16 @@ class RecordedRouter:
         return outputs
 
     def stop(self) -> list[RouterOutput]:
-        """Stop the router; no input follows."""
+        """Stop the router, after which no input follows."""
         return self._noted(self._router.stop())
 
     def exchange(self) -> list[RouterOutput]:
-        """Begin a tick: pass on all submitted messages, and reset the limits of received bytes."""
+        """Begin a tick: pass on all submitted messages, and reset the counts of received bytes."""
         self._said, self._said_by_all = {}, 0
         return self._noted(self._router.exchange())
 
     def take_forwarded(self) -> tuple[Forwarded, ...]:
-        """Return the lines that were forwarded since the last call."""
+        """Return the lines forwarded since the last call."""
         forwarded, self._forwarded = tuple(self._forwarded), []
         return forwarded
 
@@ -114,6 +117,6 @@ class RecordedRouter:
         return joined
 
     def _noted(self, outputs: list[RouterOutput]) -> list[RouterOutput]:
-        """Note the lines that the router forwarded, for the keeper and the record; return the router's outputs."""
+        """Store the lines that the router forwarded, for the keeper and the record; return the router's outputs."""
         self._forwarded += [output for output in outputs if isinstance(output, Forwarded)]
         return outputs

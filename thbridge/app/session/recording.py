@@ -1,4 +1,4 @@
-"""Recorders of a session: for its bag and for its telemetry log."""
+"""Recorders of a session, for the bag and for the telemetry log."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -39,10 +39,10 @@ from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.router import Forwarded
 
 JUMP = 0.2
-"""Meters in one tick, more than a robot can drive: a robot that moves farther was kidnapped (moved by hand)."""
+"""Distance in meters that a robot cannot drive in one tick. A robot that moves farther was kidnapped (by hand)."""
 
 STATE_PERIOD = TICKS_PER_SECOND
-"""Ticks after which the state of a vehicle is recorded again even if it has not changed."""
+"""Number of ticks after which an unchanged state of a vehicle is recorded again."""
 
 
 class TickPublisher(Protocol):
@@ -71,7 +71,7 @@ class BagRecorder:
         self._vehicles: tuple[VehicleStatus, ...] = ()
 
     def record(self, record: TickRecord) -> None:
-        """Record one tick; raises what the publisher raises."""
+        """Record one tick. Exceptions of the publisher are raised."""
         if record.snapshot is not None:
             self._publisher.record(record.snapshot, tuple(self._records(record)))
 
@@ -104,7 +104,7 @@ class BagRecorder:
             yield score
 
     def _states_of_dialogues(self, utterances: Sequence[moves.DialogueUtterance]) -> Iterator[DialogueStateRecord]:
-        """Yield the robots' dialogue states that the utterances of this tick have changed."""
+        """Yield the states of dialogues that the utterances of this tick have changed."""
         for utterance in {utterance.topic.robot: utterance for utterance in utterances}.values():
             if utterance.conversation is None:
                 continue
@@ -115,12 +115,12 @@ class BagRecorder:
                 yield state
 
     def _client_requests(self, record: TickRecord, request: GraphRequest) -> Iterator[Record]:
-        """Yield the request of a ROS client, if its robot exists."""
+        """Yield the record of a ROS client's request, if the robot of the request exists."""
         if record.snapshot is not None and request.robot < len(record.snapshot.robots):
             yield request
 
     def _states(self, record: TickRecord) -> Iterator[Record]:
-        """Yield the states of vehicles that have changed; every `STATE_PERIOD` yield all states."""
+        """Yield the changed states of vehicles; after each `STATE_PERIOD`, yield the states of all vehicles."""
         before, self._vehicles = self._vehicles, record.vehicles
         for robot, status in enumerate(record.vehicles):
             if record.tick % STATE_PERIOD == 0 or not before or status != before[robot]:
@@ -136,7 +136,7 @@ class BagRecorder:
                 yield GameEvent("collision", robot, None, text)
 
     def _incidents(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
-        """Yield events of things that appeared or vanished, and of robots that died, revived or were kidnapped."""
+        """Yield events for things that appeared or vanished, and for robots that died, revived or were kidnapped."""
         things = tuple(presence.thing.name for presence in snapshot.truth.things if presence.appeared)
         before, self._things = self._things, things
         for kind, names, others in (("appeared", things, before), ("vanished", before, things)):
@@ -158,14 +158,14 @@ class TlogRecorder:
     """Recorder of the frames that vehicles receive and send.
 
     Args:
-        tlog: the file; the caller closes it.
+        tlog: the file, which the caller closes.
     """
 
     def __init__(self, tlog: TlogFile) -> None:
         self._tlog = tlog
 
     def record(self, record: TickRecord) -> None:
-        """Record one tick. Raises BadFile when it cannot be written."""
+        """Record one tick. Raises BadFile: the file cannot be written."""
         if record.snapshot is not None and record.traffic:
             self._tlog.record(stamp_ns(record.snapshot.tick), record.traffic)
 
@@ -207,7 +207,7 @@ def _formal_moves(utterance: moves.DialogueUtterance) -> Iterator[DialogueMoveRe
         return
     for formal in utterance.formal:
         play = utterance.conversation.play(formal.dialogue)
-        # A stalemate is a property of the last move alone: before it, more could be said.
+        # Only the last move can have a stalemate, because after all earlier moves, further moves were possible.
         is_stalemate = play.end is DialogueEnd.STALEMATE and formal.index == len(play.moves) - 1
         yield DialogueMoveRecord(
             talk=utterance.dialogue,
@@ -230,7 +230,7 @@ def _formal_moves(utterance: moves.DialogueUtterance) -> Iterator[DialogueMoveRe
 
 
 def _authored(utterance: moves.DialogueUtterance, authored: moves.OfferedSentence) -> GameEvent:
-    """Return the event of a sentence by an installed author: the request, the offer, and why it was not accepted."""
+    """Return the event for a sentence by an installed author: request, offer, and reason for a rejection."""
     fields = {
         "event": "authored",
         "robot": utterance.topic.robot,

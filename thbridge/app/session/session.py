@@ -1,7 +1,7 @@
-"""The session: the roles of this process around one router, with common ticks.
+"""Session: the roles of this process, which exchange messages through one router, with common ticks.
 
-Inputs from outside arrive between two ticks, through the methods of `Session`, its router and its links. (For robots at
-a server of another process it is `SimrSession`.) Each input is recorded as an `Input` of the next tick.
+Inputs from outside arrive between two ticks, through the methods of `Session`, its router and its links. Each input is
+recorded as an `Input` of the next tick. For robots at a server of another process, the class is `SimrSession`.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -41,15 +41,15 @@ class TickRecord:
     """Record of one tick of a session.
 
     Attributes:
-        tick: its number.
+        tick: number of the tick.
         inputs: inputs from outside, in order.
-        snapshot: snapshot of the robots; None if another program runs them.
-        forwarded: the lines that were passed on, in order.
+        snapshot: snapshot of the robots; None if another program runs the robots.
+        forwarded: lines that the router has forwarded, in order.
         events: events of the game.
-        utterances: utterances of its dialogues.
-        wizard: robots for which a person speaks, and the turns that wait for that person.
+        utterances: utterances in dialogues of the game.
+        wizard: robots for which a person speaks, and turns that this person must decide.
         game: state of the game after this tick; None before the first game.
-        traffic: frames that vehicles received since the last tick, and sent since then and in this tick, in order.
+        traffic: frames that vehicles have received and sent from the last tick to the end of this tick, in order.
         vehicles: status of each vehicle; empty if the robots are not vehicles.
         refusals: requests of programs that the keeper has refused, in order.
     """
@@ -71,20 +71,20 @@ class TickRecorder(Protocol):
     """Recorder of a session."""
 
     def record(self, record: TickRecord) -> None:
-        """Record one tick. May raise; the session then ends."""
+        """Record one tick. If this raises an exception, the session ends."""
 
 
 class EventLog(Protocol):
-    """Log of the game's events and utterances, which are written before any of their effects."""
+    """Log of the game's events and utterances. They are written before they have any effect."""
 
     def append(self, entries: Sequence[JournalEntry]) -> None:
-        """Write the entries; return once they are on the disk."""
+        """Write the entries, and return as soon as they are on the disk."""
 
 
 class DeferredRecording:
-    """Placeholder for recorders and log that are not open yet, for example before the participant has agreed.
+    """Placeholder for recorders and log before they are open, for example before the participant has agreed.
 
-    Until `begin`, ticks and entries are dropped, so no tick should be run before.
+    Before `begin`, ticks and entries are dropped, so no tick should be run before `begin`.
     """
 
     def __init__(self) -> None:
@@ -92,31 +92,31 @@ class DeferredRecording:
         self._log: EventLog | None = None
 
     def begin(self, recorders: Sequence[TickRecorder], log: EventLog | None = None) -> None:
-        """Record and log from now on."""
+        """Start recording and logging."""
         self._recorders, self._log = tuple(recorders), log
 
     def record(self, record: TickRecord) -> None:
-        """See `TickRecorder`."""
+        """Record one tick; see `TickRecorder`."""
         for recorder in self._recorders:
             recorder.record(record)
 
     def append(self, entries: Sequence[JournalEntry]) -> None:
-        """See `EventLog`."""
+        """Write the entries; see `EventLog`."""
         if self._log is not None:
             self._log.append(entries)
 
 
 def _drop(outputs: Sequence[object]) -> None:
-    """Drop the outputs: there are no connections."""
+    """Drop the outputs, because there are no connections."""
 
 
 @dataclass(frozen=True, slots=True)
 class SessionOutlets:
-    """Servers of a session's connections and links; by default there are none.
+    """Servers of a session's connections and links. By default, there are no servers.
 
     Attributes:
-        perform: carries out the router's outputs on connections.
-        transmit: sends frames on their links; must ignore links that it does not have.
+        perform: function that carries out the router's outputs on connections.
+        transmit: function that sends frames on links; it must ignore unknown links.
     """
 
     perform: Callable[[Sequence[RouterOutput]], None] = _drop
@@ -127,23 +127,23 @@ NO_OUTLETS = SessionOutlets()
 
 
 class Session:
-    """The roles of one process, which run together tick by tick: messages sent in one tick arrive in the next tick.
+    """Roles of one process, which run together tick by tick. Messages sent in one tick arrive in the next tick.
 
     Args:
         keeper: keeper of the game.
         roles: the other roles of this process.
-        recorders: record every tick.
-        participant: the participant's role in this process, if any; its messages are inputs.
-        vehicles: factory that makes the robots MAVLink vehicles; its argument receives their requests to robots and
-            game. These requests follow from frames, so they are not inputs. If None, the robots are not MAVLink
-            vehicles.
+        recorders: recorders that record every tick.
+        participant: the participant's role in this process, whose messages are inputs; None if there is none.
+        vehicles: factory of the robots' MAVLink vehicles. The argument of the factory receives the vehicles' requests
+            to robots and game. These requests follow from frames, so they are not inputs. If None, the robots are not
+            MAVLink vehicles.
         log: log of the game's events and of uses of keys. If None, these are not logged.
         outlets: servers of connections and links. For the text server, the router of this session decides.
-        run: unique name of this run; it is logged with the uses of keys.
+        run: unique name of this run, which is logged with the uses of keys.
 
     Attributes:
         tick: number of the next tick.
-        router: router for a server of outside connections.
+        router: router for a server of connections from outside.
         links: links for a server of ground stations.
         keys: uses of keys, for the log.
 
@@ -185,17 +185,20 @@ class Session:
 
     @property
     def has_vehicles(self) -> bool:
-        """True when the robots are MAVLink vehicles."""
+        """True if the robots are MAVLink vehicles."""
         return self._vehicles is not None
 
     @property
     def game(self) -> GameState | None:
-        """State of the game; None before the first."""
+        """State of the game; None before the first game."""
         return self._keeper.state
 
     @property
     def game_name(self) -> tuple[str, bool]:
-        """Unique name of the latest game, or of the first game if no game has begun; and True if that game is over."""
+        """Unique name of the latest game, and True if this game is over.
+
+        Before the first game begins, it is the name of the first game.
+        """
         game = self.game
         if game is None:
             return self._named(self._keeper.last_game + 1), False
@@ -203,7 +206,7 @@ class Session:
 
     @property
     def snapshot(self) -> "TeamSnapshot | None":
-        """State of the robots; None before the first tick, and if another program runs them."""
+        """State of the robots; None before the first tick, or if another program runs the robots."""
         return None if self._robots is None else self._robots.snapshot
 
     def perform(self, outputs: Sequence[RouterOutput]) -> None:
@@ -216,7 +219,7 @@ class Session:
 
     @contextmanager
     def undelivered(self) -> Iterator[None]:
-        """Drop all output to connections and links during the context, in which recorded inputs are given again."""
+        """Drop all output to connections and links in this context, while recorded inputs are given to the session."""
         outlets, self._outlets = self._outlets, NO_OUTLETS
         try:
             yield
@@ -226,10 +229,10 @@ class Session:
     # Inputs from outside
 
     def ask(self, sender: str, request: Request) -> None:
-        """Pass on a request to robots or game, in the name of its sender.
+        """Pass a request to robots or game, in the name of the sender.
 
         Raises:
-            ValueError: another program runs the robots.
+            ValueError: the request is to robots, which run in another program.
         """
         self._pass_on(request, sender)
         self._inputs.add(inputs.ClientRequest(sender, request))
@@ -240,15 +243,15 @@ class Session:
         """Run one tick.
 
         Raises:
-            Exception: raised by the log or a recorder that cannot write; the session must end then.
+            Exception: the log or a recorder cannot write; the session must then end.
         """
-        # Inputs from here on belong to the next tick: for example the backlog of a client that this tick's lines cause.
+        # All inputs from now on belong to the next tick, for example if lines of this tick fill a client's backlog.
         given = self._inputs.take()
         self.perform(self.router.exchange())
         forwarded = self.router.take_forwarded()
         self._keeper.tap(forwarded)
-        # The keeper's events are written to the journal before any message about them is sent. So after a crash the
-        # journal has every event that another program has learned of.
+        # The keeper's events are written to the journal before any message about them is sent. So after a crash, the
+        # journal contains all events that other programs know.
         self._step_role(self._keeper)
         decisions = self._keeper.decisions
         by_keys = self._keys_used(decisions.entries)
@@ -289,18 +292,18 @@ class Session:
             self.transmit(self.links.keep_alive())
 
     def _keys_used(self, entries: Sequence[JournalEntry]) -> list[KeyUsed]:
-        """Return the uses of keys since the last tick; in the first tick of a game, also all programs with keys."""
+        """Return the uses of keys since the last tick. In the first tick of a game, add all programs with keys."""
         joined = self.router.take_joined()
         if any(isinstance(entry, GameStarted) for entry in entries):
             joined = self._message_router.keyed_programs()
         return self.keys.take("" if self.game is None else self._named(self.game.started.game), joined)
 
     def _pass_on(self, request: Request, researcher: str | None = None) -> None:
-        """Pass a request on to its role; see `ask`."""
+        """Pass a request to its role; see `ask`."""
         if isinstance(request, GameRequest):
             self._keeper.ask(request)
         elif self._robots is None:
-            raise ValueError("the robots are not in this process")
+            raise ValueError("the robots run in another program")
         else:
             self._robots.ask(request, researcher)
 

@@ -1,4 +1,4 @@
-"""The session of the robots alone, at a text server of another process."""
+"""Session of the robots alone, at a text server of another process."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ class SimrSession:
 
     Args:
         simr: the robots' role.
-        recorders: record every tick.
+        recorders: recorders that record every tick.
 
     Attributes:
         tick: number of the next tick.
@@ -31,32 +31,32 @@ class SimrSession:
     # Inputs from outside
 
     def ask(self, sender: str, request: Request) -> None:
-        """Pass on a request to the robots, in the name of its sender.
+        """Pass a request to the robots, in the name of the sender.
 
         Raises:
-            ValueError: it is a request to the game, which another program runs.
+            ValueError: the request is to the game, which runs in another program.
         """
         if isinstance(request, GameRequest):
-            raise ValueError("the game is not in this process")
+            raise ValueError("the game runs in another program")
         self._simr.ask(request, sender)
         self._inputs.append(ClientRequest(sender, request))
 
     def connected(self) -> None:
-        """Note that the server has (again) accepted the name."""
+        """Record that the server has accepted the name, for the first time or again."""
         self._inputs.append(NameAccepted())
         self._simr.connected()
 
     def receive(self, message: TextMessage) -> None:
-        """Accept a message to SimR."""
+        """Pass a message to SimR."""
         self._inputs.append(MessageForwarded(message))
 
     # The tick
 
     def step(self) -> list[TextMessage]:
-        """Run one tick; return SimR's messages for the server.
+        """Run one tick, and return SimR's messages for the server.
 
         Raises:
-            Exception: raised by a recorder that cannot write; the program must end then.
+            Exception: a recorder cannot write; the program must then end.
         """
         inputs, self._inputs = tuple(self._inputs), []
         received = [item.message for item in inputs if isinstance(item, MessageForwarded)]

@@ -1,1 +1,1 @@
-"""Trials of plug-ins: plug-ins run in situations of all kinds, and their faults are collected."""
+"""Trials of plug-ins, which run a plug-in in many situations, and collect its faults."""

@@ -1,4 +1,4 @@
-"""Trial of a localizer: simulated drives with realistic sensors, and all requests that a localizer gets."""
+"""Trial of a localizer in simulated drives with realistic sensors and all kinds of requests."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -33,15 +33,15 @@ _SENT = SendGoal(0, Goal(0, Pose2(6.0, 2.5, 0.0)))
 
 
 def try_localizer(name: str, seed: int, seconds: float) -> PluginTrial:
-    """Return the trial of a localizer; arguments and errors as for `try_participant`."""
+    """Return the trial of a localizer; `try_participant` describes arguments and errors."""
     trial = PluginTrial("particle filter")
     software = replace(RobotParameters(), localization=name)
     parts = installed_parts([software], trial.caller(seconds))
     slower = replace(software, move_base=replace(software.move_base, controller_frequency=5.0))
     drives: Mapping[str, tuple[bool, Mapping[int, Sequence[TeamInput]]]] = {
         "A drive in a room": (True, {1: [_SENT]}),
-        "A drive where the laser sees nothing": (False, {1: [_SENT]}),
-        "A drive with a request for an update, another initial pose and other parameters": (
+        "A drive in which the laser sees no obstacle": (False, {1: [_SENT]}),
+        "A drive with a requested update, a new initial pose and new parameters": (
             True,
             {
                 1: [_SENT],
@@ -50,7 +50,7 @@ def try_localizer(name: str, seed: int, seconds: float) -> PluginTrial:
                 110: [SetSoftwareParameters(0, slower)],
             },
         ),
-        "A robot that is moved by hand, and then asked to search anywhere": (
+        "A robot that is moved by hand, and then must search its pose on the whole map": (
             True,
             {1: [_SENT], 60: [KidnapRobot(0, Pose2(6.5, 1.0, 1.5))], 100: [GlobalLocalization(0)]},
         ),
@@ -70,7 +70,7 @@ def _drive(
     inputs: Mapping[int, Sequence[TeamInput]],
     seed: int,
 ) -> Iterator[str]:
-    """Drive once; yield the localizer's estimates at scans."""
+    """Drive once, and yield the localizer's estimates at scans."""
     grid, world = _room(walls), WorldParameters()
     team = Team(grid, world, [software], [_START], seed, 100.0, parts=parts)
     amcl: Localizer = Amcl(software.amcl, grid, mount_of(world.laser), seed, "robot1")
@@ -80,7 +80,7 @@ def _drive(
         sensed, estimate = output.observations, output.estimate
         trial.built_in.measure(lambda: amcl.update(sensed.odometry, sensed.imu, sensed.scan))  # noqa: B023 - at once
         if estimate.fault:
-            remedy = "Correct it for this tick: it has to return an Estimate of finite numbers"
+            remedy = "For this tick, return an Estimate with finite numbers"
             scan = "a scan" if sensed.scan is not None else "no scan"
             trial.note(estimate.fault, remedy, (title, f"After {tick / TICKS_PER_SECOND:.2f} s, with {scan}"))
         if sensed.scan is not None or estimate.fault:

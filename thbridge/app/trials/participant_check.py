@@ -1,4 +1,4 @@
-"""Trial of a simulated participant: whole games with robots that are not simulated."""
+"""Trial of a simulated participant in complete games, in which robots are not simulated."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -25,15 +25,15 @@ from thbridge.roles.shared.view import ParticipantRequest, View
 from thbridge.study.study_file import DialogueSection, Study
 
 LONGEST_GAME = 400 * TICKS_PER_SECOND
-"""Ticks after which a game counts as endless."""
+"""Number of ticks after which a game counts as endless."""
 MOST_REFUSED = 10
-"""Number of times that the same request may be refused in a game."""
+"""Largest number of refusals of the same request in a game."""
 _TEAMS = ((DialogueCondition.SCRIPT, 1, ()), *((condition, 3, (0,)) for condition in DialogueCondition))
 """Conditions, numbers of robots, and indices of robots that find no path."""
 
 
 class _OnTrial:
-    """Player that collects the faults of a participant, and compares its time with a built-in participant's."""
+    """Player that collects the faults of a participant, and compares the speed with a built-in participant."""
 
     def __init__(self, trial: PluginTrial, title: str, tried: InstalledParticipant, built_in: Bot) -> None:
         self._trial = trial
@@ -43,29 +43,29 @@ class _OnTrial:
         self.returned: list[str] = []
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
-        """See `Player`."""
+        """Return the participant's requests; see `Player`."""
         requests = self._tried.requests(view)
         self._trial.built_in.measure(lambda: self._built_in.requests(view))
         if self._tried.fault:
-            remedy = "Correct it for this view: it has to return a list of requests, which may be empty"
+            remedy = "For this view, return a list of requests, which may be empty"
             self._trial.note(self._tried.fault, remedy, (self._title, *_position(view)))
         self.returned.append(repr([*requests]))
         return requests
 
 
 def try_participant(name: str, seed: int, seconds: float) -> PluginTrial:
-    """Return the trial of a simulated participant in games of all conditions, some with a robot that finds no path.
+    """Return the trial of a simulated participant in games of all conditions. In some games, a robot finds no path.
 
     Args:
         name: name of the participant.
         seed: random seed.
-        seconds: timeout of its reply to a view, in wall time.
+        seconds: timeout of a reply to a view, in wall time.
 
     Raises:
-        BadFile: there is no such participant; see `installed_participant`.
+        BadFile: there is no participant with this name; see `installed_participant`.
     """
     trial = PluginTrial("participant")
-    # The study has arguing robots, because then all files are read that any of the games needs.
+    # Robots of this study argue, so that all files for all games are read.
     study = Study(templates="everyday-things", seed=seed, dialogue=DialogueSection(DialogueCondition.COLLABORATOR))
     setting = read_setting(study, Path())
     for condition, robots, stuck in _TEAMS:
@@ -81,7 +81,7 @@ def try_participant(name: str, seed: int, seconds: float) -> PluginTrial:
 def _play(
     trial: PluginTrial, title: str, setting: StudySetting, name: str, stuck: Sequence[int], seconds: float
 ) -> Iterator[str]:
-    """Play a game; yield the requests for each view."""
+    """Play a game, and yield the requests for each view."""
     study, knowledge = setting.study, knowledge_of(setting.templates)
     caller = trial.caller(seconds)
 
@@ -103,13 +103,13 @@ def _play(
             break
     else:
         view = () if participant.view is None else _position(participant.view)
-        problem = f"its game has not ended after {LONGEST_GAME // TICKS_PER_SECOND} s of simulated time"
-        remedy = "Let it request something for each view in which a robot waits, or end the game by GiveUp"
+        problem = f"the game has not ended after {LONGEST_GAME // TICKS_PER_SECOND} s of simulated time"
+        remedy = "Return a request for each view in which a robot waits, or end the game with GiveUp"
         trial.note(problem, remedy, (title, *view))
     for (asked, sentence), times in sorted(refused.items()):
         if times > MOST_REFUSED:
-            problem = f"it requested the same again after more than {MOST_REFUSED} refusals"
-            trial.note(problem, "Look at view.refusal, and request something else", (title, asked, sentence))
+            problem = f"the participant repeated a request after more than {MOST_REFUSED} refusals"
+            trial.note(problem, "If view.refusal has a refusal, send another request", (title, asked, sentence))
     yield from player.returned
 
 
@@ -117,7 +117,7 @@ def _position(view: View) -> Iterator[str]:
     """Yield lines that describe a view."""
     for robot in view.robots:
         where = f"in room {robot.place}" if robot.place else "in the corridor"
-        going = "" if robot.moving_to is None else f", on the way to room {robot.moving_to}"
+        going = "" if robot.moving_to is None else f", driving to room {robot.moving_to}"
         yield f"Robot {number_of(robot.robot)} is {where}{going}, with energy {robot.energy:g}"
     yield f"Unvisited rooms: {', '.join(str(room.room) for room in view.rooms if room.state == 'unvisited') or 'none'}"
     for talk in view.dialogues:

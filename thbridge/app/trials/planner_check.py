@@ -1,4 +1,4 @@
-"""Trial of a global planner: its paths over costmaps of all kinds are compared with navfn's."""
+"""Trial of a global planner, which compares its paths over costmaps of all kinds with paths of navfn."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -27,7 +27,7 @@ _QUERIES = 6
 
 
 def try_planner(name: str, seed: int, seconds: float) -> PluginTrial:
-    """Return the trial of a global planner; arguments and errors as for `try_participant`."""
+    """Return the trial of a global planner; `try_participant` describes arguments and errors."""
     trial = PluginTrial("navfn")
     standard = RobotParameters()
     software = replace(standard, move_base=replace(standard.move_base, base_global_planner=name))
@@ -39,7 +39,7 @@ def try_planner(name: str, seed: int, seconds: float) -> PluginTrial:
 
 
 def _maps(seed: int) -> Mapping[str, NDArray[np.int8]]:
-    """Return the cells of each map: outer walls, and the obstacles that the map's name describes."""
+    """Return the cells of each map: outer walls, and the obstacles that the name of the map describes."""
     empty = np.full((80, 120), FREE, np.int8)
     empty[[0, -1]] = empty[:, [0, -1]] = OCCUPIED
     gap, closed, scattered = empty.copy(), empty.copy(), empty.copy()
@@ -66,13 +66,13 @@ def _plan(
     cells: NDArray[np.int8],
     seed: int,
 ) -> Iterator[str]:
-    """Plan paths from one place to reachable and unreachable places; yield the paths."""
+    """Plan paths from one place to reachable and unreachable places, and yield the paths."""
     planner, navfn = factory(software, seed), PotentialPlanner(Navfn(NavfnParameters()))
     costs = costmap(OccupancyGrid(cells, _RESOLUTION, Pose2(0.0, 0.0, 0.0)), _RADIUS, _INFLATION)
     key = noise.key(seed, "planner-check", place)
     start = Pose2(0.0, 0.0, 0.5)
     goals = [
-        start,  # The robot is at its goal already.
+        start,  # The robot is already at its goal.
         Pose2(100.0, 0.0, 0.0),  # Outside the map.
         *(
             Pose2(_FRAME.x + noise.uniform(key, number, 0) * 6.0, _FRAME.y + noise.uniform(key, number, 1) * 4.0, 1.0)
@@ -85,10 +85,11 @@ def _plan(
         try:
             found = planner.plan(costs, _FRAME, start, goal)
         except PartFailed as failed:
-            remedy = "Correct it for this query: it has to return points from start to goal, or None"
+            remedy = "For this query, return points from start to goal, or None"
             trial.note(str(failed), remedy, asked)
             yield str(failed)
             continue
         if isinstance(known, Path) and not isinstance(found, Path):
-            trial.note("it finds no path where navfn finds one", "Look at costs below INSCRIBED (253)", asked)
+            problem = "the planner finds no path where navfn finds a path"
+            trial.note(problem, "Use all cells with costs below INSCRIBED (253)", asked)
         yield repr(found.poses.tolist()) if isinstance(found, Path) else found.code

@@ -1,4 +1,4 @@
-"""Findings of a trial of a plug-in."""
+"""Trial of a plug-in, with its findings."""
 
 import hashlib
 from collections.abc import Callable, Iterable
@@ -13,8 +13,8 @@ T = TypeVar("T")
 
 SLOWEST = 100.0
 """Largest factor by which a plug-in may be slower than the built-in part in the same situations."""
-NOT_DETERMINED = "with the same seed, it decided differently the second time"
-DETERMINED = "Use the arguments alone: keep nothing in the module, draw random numbers by the seed, sort sets"
+NOT_DETERMINED = "with the same seed, a second run gave another result"
+DETERMINED = "Use only the arguments: store nothing in the module, take random numbers from the seed, and sort sets"
 
 
 @dataclass(slots=True)
@@ -23,11 +23,11 @@ class PluginTrial:
 
     Attributes:
         what: name of the kind of plug-in.
-        situations: number of situations in which it was tried.
-        faults: faults by their problems.
-        digest: digest of all its results; the same in each process.
-        own: measures the time of its calls.
-        built_in: measures the time of calls of the built-in part.
+        situations: number of situations in which the plug-in was tried.
+        faults: faults, by the text of the problem.
+        digest: digest of all results, which is the same in every process.
+        own: stopwatch for the calls of the plug-in.
+        built_in: stopwatch for the calls of the built-in part.
     """
 
     what: str
@@ -39,20 +39,20 @@ class PluginTrial:
 
     @property
     def slowness(self) -> float:
-        """Time of its calls, as a multiple of the built-in part's."""
+        """Time of the plug-in's calls, divided by the time of the built-in part's calls."""
         return self.own.seconds / self.built_in.seconds if self.built_in.seconds else 0.0
 
     def note(self, problem: str, remedy: str, position: Iterable[str]) -> None:
-        """Keep a fault, with the position in which it occurred first."""
+        """Record a fault, with the position in which it first occurred."""
         fault = self.faults.get(problem) or TrialFault(problem, remedy, tuple(position), 0)
         self.faults[problem] = replace(fault, times=fault.times + 1)
 
     def twice(self, title: str, play: Callable[[], Iterable[str]]) -> None:
-        """Play a situation twice, and compare the plug-in's results.
+        """Run a situation twice, and compare the plug-in's results.
 
         Args:
             title: title of the situation.
-            play: plays it, and yields all results of the plug-in as text.
+            play: function that runs the situation, and yields all results of the plug-in as text.
         """
         self.situations += 1
         first, again = [*play()], [*play()]
@@ -63,7 +63,7 @@ class PluginTrial:
             self.note(NOT_DETERMINED, DETERMINED, (title, *shown))
 
     def caller(self, seconds: float) -> PartCaller:
-        """Return the function that calls the plug-in: it measures the time of calls, and gives each a timeout."""
+        """Return the function that calls the plug-in with a timeout, and measures the time."""
         impatient = ImpatientCaller[Any](seconds)
 
         def call(asked: Callable[[], T], /) -> T:
@@ -73,8 +73,8 @@ class PluginTrial:
         return call
 
     def end(self) -> None:
-        """Judge the plug-in's speed; must be called once, at the end."""
+        """Check the plug-in's speed; call this method once, at the end."""
         if self.slowness > SLOWEST:
             # The text omits the measured factor, which differs in each run.
-            problem = f"it takes more than {SLOWEST:.0f} times as long as the built-in {self.what}"
-            self.note(problem, "Prepare in the factory what every call needs, or use numpy", ())
+            problem = f"the plug-in takes more than {SLOWEST:.0f} times as long as the built-in {self.what}"
+            self.note(problem, "Do slow preparations in the factory, or use numpy", ())

@@ -1,4 +1,4 @@
-"""The robots' program of a trial: the game is played, but robots are not simulated."""
+"""Robots' program for trials, in which a game is played without simulated robots."""
 
 from collections.abc import Sequence
 
@@ -20,21 +20,21 @@ from thbridge.text_protocol.wire.notice import encode_notice
 
 
 class Puppets:
-    """Robots without a position: each move takes the same time.
+    """Robots without positions, for which each move takes the same time.
 
     Args:
         robots: number of robots.
-        costs: energy of each move, by the places' numbers: 0 for the corridor, rooms from 1.
-        ticks: duration of a move.
+        costs: energy of each move, by the numbers of the places: 0 for the corridor, 1 and more for rooms.
+        ticks: duration of a move in ticks.
         place: name of the map.
 
     Attributes:
         stuck: indices of robots that find no path.
-        mute: True if the line that a room was reached is not sent.
+        mute: True to send no line when a robot has reached a room.
         conditions: conditions of each robot.
-        researchers: name of the researcher who commands each robot, if any.
+        researchers: for each robot, the name of the researcher who commands it, or None.
         unfit: reason why the keeper has rejected the team.
-        orders: all orders of the keeper.
+        orders: all orders of the keeper so far.
     """
 
     name = legacy.SIMR
@@ -59,7 +59,7 @@ class Puppets:
         self._recalled = False
 
     def connected(self) -> None:
-        """Introduce the team with the next step."""
+        """Introduce the team in the next step."""
         self._introduce = True
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:

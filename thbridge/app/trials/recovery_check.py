@@ -1,4 +1,4 @@
-"""Trial of a recovery behavior in places with and without room; it has to end in each of them."""
+"""Trial of a recovery behavior in places with much and with little free space; it must end in each place."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -27,11 +27,11 @@ _PLACES = {
     "in a dead end": ((0, 120, 70, 74), (44, 48, 0, 120), (72, 76, 0, 120)),
     "enclosed": ((0, 120, 70, 74), (0, 120, 46, 50), (46, 50, 0, 120), (70, 74, 0, 120)),
 }
-"""Rows and columns of the walls of each place, in cells."""
+"""Walls of each place, as ranges of rows and columns of cells."""
 
 
 def try_recovery(name: str, seed: int, seconds: float) -> PluginTrial:
-    """Return the trial of a recovery behavior; arguments and errors as for `try_participant`."""
+    """Return the trial of a recovery behavior; `try_participant` describes arguments and errors."""
     trial = PluginTrial("rotate_recovery")
     software = RobotParameters(move_base=MoveBaseParameters(recovery_behaviors=(RecoveryBehavior(name),)))
     factory = installed_parts([software], trial.caller(seconds)).recoveries[name]
@@ -51,7 +51,7 @@ def _run(
     goal: Pose2 | None,
     seed: int,
 ) -> Iterator[str]:
-    """Run the behavior once, with ideal wheels; yield its commands."""
+    """Run the behavior once, with ideal wheels, and yield the commands."""
     cells = np.full((_CELLS, _CELLS), FREE, np.int8)
     for row, row_end, col, col_end in walls:
         cells[row:row_end, col:col_end] = OCCUPIED
@@ -71,11 +71,11 @@ def _run(
                 return
             now = _after(now, command, controller.control_ticks * TICK)
     except PartFailed as failed:
-        remedy = "Correct it for this place: it has to return a finite Twist, or None at its end"
+        remedy = "At this place, return a finite Twist, or None at the end of the behavior"
         trial.note(str(failed), remedy, (title, f"After {now.seconds:.1f} s, at {now.base_in_map}"))
         return
-    problem = f"it has not ended after {LONGEST_RECOVERY:g} s"
-    trial.note(problem, "Let it return None once it has done what it can, or cannot move", (title,))
+    problem = f"the behavior has not ended after {LONGEST_RECOVERY:g} s"
+    trial.note(problem, "Return None as soon as the behavior is finished, or the robot cannot move", (title,))
 
 
 def _controller(grid: OccupancyGrid) -> Controller:
@@ -85,7 +85,7 @@ def _controller(grid: OccupancyGrid) -> Controller:
 
 
 def _after(now: RecoverySituation, command: Twist, period: float) -> RecoverySituation:
-    """Return the situation after a command; a command that leads too near to a wall has no effect."""
+    """Return the situation after a command. A command that leads too near to a wall has no effect."""
     ahead = Pose2(command.linear * period, 0.0, command.angular * period)
     there = now.base_in_map.compose(ahead)
     frame, costs = now.frame, now.costs

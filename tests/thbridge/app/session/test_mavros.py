@@ -42,10 +42,10 @@ def test_a_signature_is_left_behind():
 @pytest.mark.parametrize(
     ("wrong", "why"),
     [
-        ({"magic": 252}, "a frame cannot begin with 252"),
-        ({"message_id": 0xFFFFFF}, "there is no message 16777215"),
-        ({"checksum": 1}, "its checksum is 1, but should be"),
-        ({"sequence": 9}, "its checksum is"),
+        ({"magic": 252}, "the frame begins with 252"),
+        ({"message_id": 0xFFFFFF}, "the MAVLink message 16777215 is unknown"),
+        ({"checksum": 1}, "the checksum is 1, but should be"),
+        ({"sequence": 9}, "the checksum is"),
     ],
 )
 def test_what_is_no_frame_is_refused(wrong: dict[str, int], why: str):
