@@ -75,7 +75,7 @@ class _Facts:
         for attack, line in attacks.items():
             for name in dict.fromkeys(attack):
                 if name not in self._arguments:
-                    self.fail(line, f"no argument {name} is defined", "declare it, or correct its name")
+                    self.fail(line, f"no argument {name} is defined", "declare this argument, or correct its name")
         if self.faults.found:
             raise self.faults.together()
         return ArgumentationFramework.of(self._arguments, self._attacks)

@@ -90,7 +90,7 @@ class FaultCollection:
 
     @contextmanager
     def kept(self) -> Iterator[None]:
-        """Keep a fault that is raised in this context, and continue."""
+        """Store a fault that is raised in this context, and continue."""
         try:
             yield
         except BadFiles as several:

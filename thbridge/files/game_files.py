@@ -132,8 +132,9 @@ def _load_games(paths: Iterable[Path], others: Mapping[str, Loaded[_GameYaml]]) 
                 raise loaded.fault("name", problem, "Give each game its own name")
             games[name] = loaded
             if name in others and about != others[name].value.about:
-                problem = f"{name} of {others[name].path}, which it replaces, is about a {others[name].value.about}"
-                raise loaded.fault("about", problem, f"Write {others[name].value.about}, or give it another name")
+                kind = others[name].value.about
+                problem = f"this game replaces {name} of {others[name].path}, which is about a {kind}"
+                raise loaded.fault("about", problem, f"Write {kind}, or give this game another name")
     if faults.found:
         raise faults.together()
     return games

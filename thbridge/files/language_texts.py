@@ -34,7 +34,7 @@ def shipped_texts(language: str = ENGLISH) -> Texts:
 
 
 def shipped_languages() -> dict[str, str]:
-    """Return the built-in languages: the title of each, by its name."""
+    """Return the titles of the built-in languages, by the language's name."""
     names = languages_in(SHIPPED_LANGUAGES)
     return {name: read_head((SHIPPED_LANGUAGES,), name).title for name in names}
 

@@ -37,7 +37,7 @@ FOOTPRINT: Polygon = WorldParameters().footprint
 """Corners of the robot of the 2016 study, meters."""
 
 LEAST_FLOOR = 0.01
-"""Smallest area of a region, square meters; a smaller one is a mistake."""
+"""Smallest area of a region, square meters; a smaller area is a mistake."""
 MOST_AMISS = 0.75
 """If at least this share of goals and starts is off the floor, only the image is reported as faulty."""
 MOST_STARTS = 1000
@@ -183,7 +183,7 @@ class _RoomWords:
 def write_rooms(
     folder: Path, rooms: Sequence[MapRoom], starts: Sequence[Pose2], *, language: str | None = None
 ) -> None:
-    """Write or replace `rooms.yaml`. Raises BadFile if it cannot be written; an older file is then unchanged."""
+    """Write or replace `rooms.yaml`. Raises BadFile if this fails; an older file is then unchanged."""
     write_whole(folder / "rooms.yaml", rooms_text(rooms, starts, language).encode())
 
 

@@ -54,7 +54,7 @@ class PluginKind:
                 program: object = entry.load()
         except RAISED as error:
             problem = f"{entry.value} cannot be imported: {type(error).__name__}: {error}"
-            raise self.fault(name, problem, "Correct it, or install the package again") from error
+            raise self.fault(name, problem, "Correct the plug-in, or install the package again") from error
         if not callable(program):
             raise self.fault(name, f"{entry.value} is not a function", "Name a function, or a class")
         return program

@@ -40,7 +40,7 @@ class Resources:
         Args:
             kind: map or template set.
             wanted: a name, or a path, which contains a slash.
-            `beside`: the folder for relative paths: that of the study file, or the current folder.
+            `beside`: folder for relative paths: the folder of the study file, or the current folder.
 
         Raises:
             BadFile: the folder does not exist.

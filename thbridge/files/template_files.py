@@ -206,7 +206,8 @@ def missing_words(templates: TemplateSet, folder: Path, language: str) -> Iterat
     words, path = templates.in_language(language), folder / language / WORDS
 
     def missing(key: str, names: Sequence[str]) -> BadFile:
-        problem = f"the set is in {templates.language}, but these have no words in {language}: {', '.join(names)}"
+        entries = ", ".join(names)
+        problem = f"the set is in {templates.language}, but these entries have no words in {language}: {entries}"
         return BadFile(path, problem, f"Write the words into {key}", key=key)
 
     if unnamed := [kind.name for kind in templates.kinds if kind.name not in words.names]:
@@ -318,7 +319,7 @@ def read_dialogue_text(path: Path, properties: Sequence[TreasureProperty] = OF_2
         if heading != line:
             faults.found.append(BadFile(path, "this section is unknown", f"write {heading}", line=number, key=line))
         elif scenario in questions:
-            remedy = "put its questions under one heading"
+            remedy = "put all questions of this section under one heading"
             faults.found.append(BadFile(path, "this section appears twice", remedy, line=number, key=line))
         questions.setdefault(scenario, [])
     if Scenario.SPECIFIC_ROOM not in questions:

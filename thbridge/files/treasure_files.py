@@ -173,7 +173,7 @@ def _treasure(path: Path, number: int, line: str) -> TreasureKind:
         raise BadFile(
             path,
             f"{len(fields)} fields in a line that needs 5, or 4 in a participant's copy",
-            f"write it as {_TREASURE_FORM}, with commas only between the fields",
+            f"write the line as {_TREASURE_FORM}, with commas only between the fields",
             line=number,
         )
     for key, field in zip(_TREASURE_FORM.split(","), fields, strict=False):

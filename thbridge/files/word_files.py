@@ -41,10 +41,10 @@ class LanguageHead:
 
     Attributes:
         path: the file with its section `language`.
-        title: its name in the language itself, such as `English`.
+        title: name of the language in itself, such as `English`.
         plural: index of the plural form for a number n; see `TextForms`.
         falls_back_on: language that is used where this language lacks words, or None.
-        grammar: its own grammar, or the grammar of the language that it falls back on.
+        grammar: grammar of the language, or of the language on which it falls back.
     """
 
     path: Path
@@ -120,10 +120,10 @@ def read_language(
         folders: folders with a subfolder for each language; wordings of a later folder replace earlier wordings for the
             same case.
         name: name of the language's folder.
-        locutions: locutions that need words. If None, the built-in ones.
+        locutions: locutions that need words. If None, the built-in locutions are used.
 
     Raises:
-        BadFile: a fault of a file, or all faults together; or the language does not exist, or it lacks words.
+        BadFile: a fault of a file, or all faults together; or the language does not exist or lacks words.
     """
     folders = tuple(folders)
     locutions = read_rulebook().locutions if locutions is None else locutions
@@ -336,7 +336,7 @@ def _phrase_faults(loaded: Loaded[_WordsYaml], key: str, phrase: PhraseWording) 
         yield from _wording_faults(loaded, f"{key}.{name}", wordings, allowed, (whole,))
         for place, wording in enumerate(wordings):
             if wording.rstrip().endswith((".", "?", "!")):
-                problem = "a phrase is a part of a sentence and does not end it"
+                problem = "a phrase is a part of a sentence, so it does not end the sentence"
                 yield loaded.fault(f"{key}.{name}[{place}]", problem, "Delete the punctuation mark at its end")
     for place, wording in enumerate(phrase.yes):
         if wording in phrase.no:

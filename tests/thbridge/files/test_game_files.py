@@ -160,7 +160,7 @@ FAULTS = [
     ),
     # Games beside each other.
     (PERSUASION, "name: persuasion", "name: inquiry", "line 2, name: inquiry.yaml also has a game inquiry"),
-    (INQUIRY, "about: rule", "about: literal", "which it replaces, is about a rule"),
+    (INQUIRY, "about: rule", "about: literal", "which is about a rule"),
     # Locutions.
     (LOCUTIONS, "argued, news]", "arged, news]", "line 11, locutions[0].before[1]: condition arged does not exist"),
     (LOCUTIONS, "after: [claimed,", "after: [claimd,", "effect claimd does not exist. The nearest name is claimed"),

@@ -130,7 +130,7 @@ BROKEN = {
     "a key of another section": (
         "robots: 2\nmax_vel_theta: 1\n",
         "study.yaml, line 2, max_vel_theta: unknown key. "
-        "It belongs at world.max_vel_theta or robot.TrajectoryPlannerROS.max_vel_theta or"
+        "This key belongs at world.max_vel_theta or robot.TrajectoryPlannerROS.max_vel_theta or"
         " robot.DWAPlannerROS.max_vel_theta.",
     ),
     "a key like no other": (

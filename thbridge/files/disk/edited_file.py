@@ -37,7 +37,7 @@ def read_edited(path: Path) -> TextOnDisk:
     """
     if not path.exists():
         if not path.parent.is_dir():
-            raise BadFile(path, f"folder {path.parent} does not exist", "Create it, or choose another name")
+            raise BadFile(path, f"folder {path.parent} does not exist", "Create the folder, or choose another name")
         return TextOnDisk("", exists=False)
     text = text_of(path, read_bytes(path))
     try:
@@ -57,7 +57,7 @@ def write_edited(path: Path, text: str, marked: bool) -> TextOnDisk:
     try:
         data = ((_MARK if marked else "") + text).encode()
     except UnicodeEncodeError:
-        problem = "it cannot be written (it has characters that are not valid text)"
-        raise BadFile(path, problem, "Check the folder and the disk") from None
+        problem = "the text has characters that cannot be written"
+        raise BadFile(path, problem, "Delete these characters") from None
     write_whole(path, data)
     return TextOnDisk(text, exists=True, marked=marked)

@@ -19,7 +19,7 @@ def read_json(path: Path, type_: type[T], damage: str, remedy: str, largest: int
 
     Args:
         path: the file.
-        type_: type of the content; msgspec checks it.
+        type_: type of the content; msgspec checks the content.
         damage: problem to report for content of another type, as a clause.
         remedy: remedy for every problem, as a clause.
         largest: largest size in bytes.

@@ -1,4 +1,4 @@
-"""Opening of files that people name. Pipes and devices are refused, because reading them could wait or never end."""
+"""Opening of files that users name. Pipes and devices are refused, because reading them could wait or never end."""
 
 import stat
 import unicodedata

@@ -9,7 +9,7 @@ class SpoolFile:
     """A temporary file without a name, created when it is needed, and deleted with this object.
 
     Args:
-        folder: folder for the file. If None, the system's folder for temporary files.
+        folder: folder for the file. If None, the system's folder for temporary files is used.
     """
 
     def __init__(self, folder: Path | None = None) -> None:

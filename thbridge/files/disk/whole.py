@@ -114,7 +114,7 @@ def new_folder(folder: Path, remedy: str = "choose another folder", *, empty: bo
     part = None
     try:
         make_folder(folder.absolute().parent)
-        # The folder above an existing one may not be writable, or may be on another disk.
+        # The folder above an existing folder may not be writable, or may be on another disk.
         part = _part_of(folder / "all" if there else folder)
         part.mkdir()
         yield part

@@ -40,7 +40,7 @@ def certificate_of(folder: Path, now: str) -> Certificate:
 
     Args:
         folder: folder of the keys; created if missing.
-        now: time of day, UTC, such as 2026-03-01T12:00:00Z, at which a new certificate becomes valid.
+        now: date and time, UTC, such as 2026-03-01T12:00:00Z, at which a new certificate becomes valid.
 
     Raises:
         BadFile: the file cannot be read or written, or is damaged; or other accounts may read its private key.

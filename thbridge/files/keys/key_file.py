@@ -1,4 +1,4 @@
-"""File with one key for a person: the secret, and the fingerprint of the session that it is for."""
+"""File with one key for a person: the secret, and the fingerprint of the session."""
 
 import re
 from dataclasses import dataclass

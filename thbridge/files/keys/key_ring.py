@@ -43,7 +43,7 @@ class KeyEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
         created: date and time, UTC.
         expires: date and time from which the key is invalid. If None, the key does not expire.
         revoked: date and time at which the key was revoked. If None, the key was not revoked.
-        game: the only game for which a participant's key is valid. If None, this will be the next game that uses it.
+        game: the only game for which a participant's key is valid. If None, the first game that uses the key.
     """
 
     name: str

@@ -15,7 +15,8 @@ def check_private(path: Path) -> None:
     """Check that no other account may read or write a file. Files on file systems without permissions are not checked.
 
     Raises:
-        BadFile: other accounts may read or write it. A missing file is not reported here, but by its reader.
+        BadFile: other accounts may read or write it. A missing file is not reported here, but by the function that
+            reads it.
     """
     try:
         mode = path.stat().st_mode

@@ -1,4 +1,4 @@
-"""ROS's defaults that differ from the defaults of hunts. They apply to parameters that ROS files leave out."""
+"""ROS's defaults that differ from the defaults of hunts. They apply if ROS files leave a parameter out."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
@@ -88,7 +88,7 @@ def _shared(defaults: Sequence[RosDefault]) -> set[str]:
 
 
 def _plain(value: object) -> object:
-    """Return a value in types of YAML and JSON; sections in a list become their names."""
+    """Return a value in types of YAML and JSON; sections in a list are replaced by their names."""
     if isinstance(value, tuple):
         return [_plain(item) for item in cast(tuple[object, ...], value)]
     return cast(object, getattr(value, "name", value))

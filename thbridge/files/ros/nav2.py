@@ -55,7 +55,7 @@ _AMCL_DEFAULTS: Mapping[str, str] = {
     "z_rand": "0.5",
     "z_short": "0.05",
 }
-"""Nav2's defaults that differ from ROS 1's."""
+"""Nav2's defaults that differ from the defaults of ROS 1."""
 _MODELS: Mapping[str, str] = {
     "nav2_amcl::DifferentialMotionModel": "diff-corrected",
     "nav2_amcl::OmniMotionModel": "omni-corrected",
@@ -258,7 +258,7 @@ class _Translation:
                 case other:
                     others.append(other)
         if not known:
-            remedy = f"name a file with {', '.join(_NODES[:-1])} or {_NODES[-1]}"
+            remedy = f"name a file that has {', '.join(_NODES[:-1])} or {_NODES[-1]}"
             raise BadFile(self._path, "no node of this file of ROS 2 has a counterpart here", remedy)
         if others:
             self._add_notice(f"these nodes of ROS 2 have no counterpart here: {', '.join(sorted(set(others)))}")
@@ -321,7 +321,8 @@ class _Translation:
             self._add_notice(f"{node.text} leaves out plugins, so Nav2's default is used: {listed}")
         listing = inner["plugins"]
         if not isinstance(listing, Listing):
-            remedy = f"write for example [{', '.join(_COSTMAP_PLUGINS)}], or delete the line for these, Nav2's default"
+            usual = ", ".join(_COSTMAP_PLUGINS)
+            remedy = f"write for example [{usual}], or delete the line to use these layers, Nav2's default"
             raise BadFile(self._path, "not a list of layers", remedy, listing.line, f"{node.text}.plugins")
         plugins = [item for item in listing.items if isinstance(item, Scalar)]
         names = {each.text for each in plugins}
@@ -434,8 +435,7 @@ class _Translation:
         tolerances = self._renamed(name, rest, _GOAL_CHECKER, _GOAL_CHECKER_DEFAULTS)
         if found is None:
             self._add_notice(
-                "the local planner is DWAPlannerROS as in ROS 1, because none of those in controller_plugins exists "
-                "here"
+                "the local planner is DWAPlannerROS as in ROS 1: no controller in controller_plugins exists here"
             )
             yield _scalar("DWAPlannerROS", parameters.line), Section(parameters.line, list(tolerances))
             return

@@ -38,7 +38,7 @@ SECTIONS: Mapping[str, type] = {
     for name, hint in cast(Mapping[str, type], get_type_hints(RobotParameters)).items()
     if dataclasses.is_dataclass(hint)
 }
-"""Sections of a robot's parameters. Each is a namespace in ROS."""
+"""Sections of a robot's parameters. Each section is a namespace in ROS."""
 
 NODES = (
     ("amcl",),
@@ -62,7 +62,7 @@ LAYERS = {
 }
 """Layers of a costmap, with the words by which they are recognized in a plugin's type or name."""
 
-_PERIOD = "the time between commands, which always follows from move_base's controller_frequency here"
+_PERIOD = "the time between commands always follows from move_base's controller_frequency"
 _UNREAD = "ROS does not read it there; you probably mean "
 _SIDEWAYS = "ROS does not read it there; the sideways speeds are TrajectoryPlannerROS's y_vels"
 WITHOUT_EFFECT: Mapping[str, Mapping[str, str]] = {
@@ -82,7 +82,7 @@ WITHOUT_EFFECT: Mapping[str, Mapping[str, str]] = {
         "sim_period": _PERIOD,
         "controller_frequency": _PERIOD,
     },
-    "GlobalPlanner": {"planner_costmap_publish_frequency": "ROS no longer reads it"},
+    "GlobalPlanner": {"planner_costmap_publish_frequency": "ROS no longer reads this parameter"},
     "global_costmap": {"meter_scoring": f"{_UNREAD}TrajectoryPlannerROS's"},
     "local_costmap": {"meter_scoring": f"{_UNREAD}TrajectoryPlannerROS's"},
 }
@@ -107,7 +107,7 @@ class RosParameters:
 
     Attributes:
         value: the robot's parameters, after applying the files.
-        notices: sentences about parameters without effect, and about interpreted ones.
+        notices: sentences about parameters without effect, and about interpretations.
         written: paths of all parameters in the files, such as `amcl.kld_err`.
     """
 
@@ -123,7 +123,7 @@ class RosFiles:
     Attributes:
         trees: entries of each file, in the order in which a launch file loads them.
         listed: our layers in each costmap that has `plugins`.
-        notices: sentences about parameters without effect, and about interpreted ones.
+        notices: sentences about parameters without effect, and about interpretations.
     """
 
     trees: tuple[tuple[Path, Section], ...]
@@ -227,7 +227,7 @@ def parse_ros_files(paths: Sequence[Path]) -> RosFiles:
 
 
 def read_ros_parameters(paths: Sequence[Path], standard: RobotParameters) -> RosParameters:
-    """Read ROS files. Parameters that they leave out have ROS's defaults; other nodes are as in `standard`.
+    """Read ROS files. Parameters that the files leave out have ROS's defaults; other nodes are as in `standard`.
 
     Raises:
         BadFiles: all faults of all files; or one BadFile if a file cannot be read at all.

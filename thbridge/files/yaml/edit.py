@@ -79,7 +79,7 @@ def without(text: str, key: str, tree: Node | None = None) -> str | RequestRefus
 def moved(text: str, key: str, by: int, tree: Node | None = None) -> str | RequestRefused:
     """Return the text with an item of a list moved one position later (`by` is 1) or earlier (-1), with its comments.
 
-    At the end of the list nothing is changed.
+    If there is no such position, nothing is changed.
     """
     tree = parse(_SCRATCH, text) if tree is None else tree
     *above, index = steps_of(key)
@@ -259,7 +259,7 @@ class _Edit:
             return text[: one.start] + text[start:last] + between + text[one.start : end] + text[last:]
         start = line_start(text, text.rfind("-", 0, one.start))
         if first:
-            # Comments above an item belong to it.
+            # Comments above an item belong to the item.
             start = self._next_line(end_of(text, listing.items[first - 1]))
         middle, last = (self._next_line(end_of(text, item)) for item in (one, other))
         gap = "" if text[middle:last].endswith("\n") else self._newline
@@ -372,7 +372,7 @@ def _with_dropped(tree: Node, steps: tuple[Step, ...]) -> list[Leaf]:
 
 
 def _verified(text: str, wanted: list[Leaf], steps: tuple[Step, ...]) -> str | RequestRefused:
-    """Return the text if it has the wanted values, or else a refusal. An empty section counts as a missing one."""
+    """Return the text if it has the wanted values, or else a refusal. An empty section counts as a missing section."""
     above = {path_of(steps[:depth]) for depth in range(len(steps))}
 
     def comparable(leaves: list[Leaf]) -> list[Leaf]:

@@ -240,7 +240,7 @@ class _Reader:
             return node
 
     def renamed(self, node: Section, into: type, key: str) -> Iterator[tuple[Scalar, Node]]:
-        """Yield the entries of a section with present names. If both names are written, the old one is left out."""
+        """Yield the entries of a section with present names. If both names are written, the old name is ignored."""
         written = {name.text for name, _ in node.entries}
         for name, child in node.entries:
             present = renamed_of(into).get(name.text)
@@ -385,7 +385,7 @@ class _Reader:
         elif nearest:
             remedy = f"The nearest name is {nearest[0]}"
         elif elsewhere:
-            remedy = f"It belongs at {' or '.join(elsewhere)}"
+            remedy = f"This key belongs at {' or '.join(elsewhere)}"
         else:
             remedy = keys_of(into)
         self.wrong(name.line, place, "unknown key", remedy)

@@ -39,7 +39,7 @@ class Scalar:
     """A word, number or text. `plain` is True without quotes; `tag` is a word such as `!degrees` before it.
 
     `start` and `end` are its offsets in the text, including quotes. For a value that was left out, both are equal.
-    `place` is the path of a key that was moved within the tree, as people wrote it, for messages.
+    If a key was moved within the tree, `place` is the path that people wrote, for messages.
     """
 
     text: str
@@ -211,7 +211,7 @@ class _Anchors:
         self._count = 0
 
     def open(self, event: NodeEvent, node: Node) -> None:
-        """Process the beginning of a node; a scalar is also complete."""
+        """Process the beginning of a node. For a scalar, this is also the end."""
         self._count += 1
         self._open.append((node, None if event.anchor is None else str(event.anchor), self._count))
         if isinstance(node, Scalar):

@@ -162,7 +162,7 @@ def test_a_planner_that_is_left_out_is_navfn_with_its_tolerance(tmp_path: Path) 
         found = read(tmp_path, f"planner_server:\n  ros__parameters: {text}\n")
         assert found.value.NavfnROS.default_tolerance == 0.5
         assert found.value.NavfnROS.use_astar is ("use_astar" in text)
-        assert "none of those" not in told(found)
+        assert "exists here" not in told(found)
 
 
 def test_checkers_that_are_left_out_are_those_of_nav2(tmp_path: Path) -> None:
