@@ -70,7 +70,7 @@ def check_doors(
 
 
 def _plain_doors(study: Study, graph: GraphAddress | None) -> dict[str, str]:
-    """Return the hosts of the servers that require no key, without the text server."""
+    """Return the host of each server that requires no key, except the text server."""
     mavlink = study.mavlink
     hosts = {} if graph is None else {"ROS": graph.host}
     if mavlink.on:

@@ -1,4 +1,4 @@
-"""Options of one subject: a dataclass that several commands use as one parameter."""
+"""Sets of options: dataclasses that several commands use as one parameter."""
 
 import dataclasses
 import inspect
@@ -10,7 +10,7 @@ P = ParamSpec("P")
 
 
 def with_option_sets(function: Callable[P, None]) -> Callable[P, None]:
-    """Return a command that has an option for each field of its parameters that are dataclasses.
+    """Return a command in which each parameter that is a dataclass is replaced by one option for each of its fields.
 
     A field declares its option in the same form as a parameter of a command.
     """

@@ -21,7 +21,7 @@ StudyFile = Annotated[
     ),
 ]
 StudyOption = Annotated[Path | None, typer.Option("--study", help="Same as the argument `study_file`.", hidden=True)]
-# The bounds are those of the study file, so that the study stored in a bag can be read again.
+# The bounds are the same as in study files, so that the study stored in a bag can be read again.
 Robots = Annotated[int | None, typer.Option(help="Number of robots.", min=1, max=64)]
 MapName = Annotated[
     str | None, typer.Option("--map", help="Name of a map, or path of its folder; a path needs a slash.")

@@ -1,1 +1,1 @@
-"""Commands of `thbridge`, one function each; their imports run when a command is called."""
+"""Commands of `thbridge`. Most imports are inside the commands' functions, so that the program starts fast."""

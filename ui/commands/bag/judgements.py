@@ -16,7 +16,7 @@ _VERDICTS = {
 
 
 def _verdicts(judgements: Mapping[Path, Judgement]) -> dict[BagTool, FindingSeverity | None]:
-    """Return the most severe finding for each tool in all parts of a recording; None if there is none."""
+    """Return for each tool the greatest severity of a finding in all parts of a recording; None without a finding."""
     worst = {tool: [judgement.worst(tool) for judgement in judgements.values()] for tool in BagTool}
     return {
         tool: next((severity for severity in FindingSeverity if severity in met), None) for tool, met in worst.items()

@@ -39,7 +39,7 @@ def desktop_entry(program: str) -> str:
         program: absolute path of the program `thbridge`.
     """
     quoted = "".join(f"\\{letter}" if letter in '"`$\\' else letter for letter in program).replace("%", "%%")
-    # The desktop removes escapes twice: first those of strings, then those within the quotes.
+    # The desktop removes escapes twice: first the escapes of strings, then the escapes within the quotes.
     command = f'"{quoted}" watch %f'.replace("\\", "\\\\")
     return (
         "[Desktop Entry]\nType=Application\nVersion=1.0\nName=thbridge watch\n"

@@ -11,7 +11,7 @@ from ui.commands.doctor.result import HealthCheck, fault, ok, warning
 
 
 def check_packages() -> Iterator[HealthCheck]:
-    """Check the version of Python, the required packages, and those of the extras."""
+    """Check the version of Python, the required packages, and the packages of the extras."""
     known = metadata.metadata("thbridge")
     wanted = known["Requires-Python"]
     version = platform.python_version()

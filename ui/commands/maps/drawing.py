@@ -49,20 +49,20 @@ MOST_PLACES = 4
 LEAST_CELL, LARGEST_CELL = 0.001, 0.5
 """Least and greatest size of a cell, meters; a map with larger cells cannot show doors."""
 MOST_STRETCH = 10.0
-"""Ratio of the scales of an image's two sides, above which one of them is probably a typing error."""
+"""Ratio of an image's two scales. If the ratio is greater, one of the scales is probably a typing error."""
 FINE, FINE_ENOUGH = 0.01, 0.02
 """Sizes in meters. Pixels smaller than the first size are merged into cells of at most the second size."""
 MOST_CELLS, COARSE_ENOUGH = 4_000_000, 0.05
 """If an image has more pixels than the first number, they are merged into cells of at most the second size, meters."""
 MANY = 15
-"""Number of rooms from which the command prints that the measurement can be stopped and continued."""
+"""Least number of rooms for which the command prints that the measurement can be stopped and continued."""
 WIDEST = 300.0
-"""Size of a map, meters, above which it is probably wrong."""
+"""Size in meters. The size of a larger map is probably wrong."""
 
 
 @dataclass(frozen=True, slots=True)
 class PaperSize:
-    """Size of an image that has no map.yaml, as given by options.
+    """Size of an image without a map.yaml, from the options of the command.
 
     Attributes:
         resolution: meters per pixel; if None, computed from `width`.
@@ -78,7 +78,7 @@ class PaperSize:
 
     @property
     def given(self) -> str | None:
-        """Return the first of these options that the user gave."""
+        """Return the name of the first of these options that the user gave."""
         return next((f"--{each.name}" for each in fields(self) if getattr(self, each.name) not in {None, 0.0}), None)
 
 

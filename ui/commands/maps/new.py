@@ -1,4 +1,4 @@
-"""`thbridge maps new` and `maps edit`: arenas made from any map, and drawn by hand."""
+"""`thbridge maps new` and `maps edit`: create an arena from any map, and edit it in a window."""
 
 import unicodedata
 from collections.abc import Callable
@@ -63,7 +63,7 @@ def maps_new(
     look: LookOption = ColourScheme.SYSTEM,
     progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
-    """Create an arena from any map: find rooms, set goals and start poses, check the result, and measure its trips."""
+    """Create an arena (a map for games) from any map: find rooms, set goals and start poses, check, measure trips."""
     from thbridge.files.map_files import read_map
     from ui.command_line.progress import shown_progress
     from ui.commands.maps.drawing import (
@@ -165,7 +165,7 @@ def maps_edit(
     def write(drawn: Arena) -> None:
         nonlocal saved
         write_rooms(folder, drawn.rooms, drawn.starts, language=language)
-        # Archive now and not when the window is closed, because a game may start before that.
+        # Rename the old times now, because a game may start before the window is closed.
         if times.exists() and not same_trips(saved, drawn):
             times.replace(old)
         elif measured and not times.exists() and same_trips(arena, drawn):

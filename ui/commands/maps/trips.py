@@ -37,7 +37,7 @@ def measure_trips(
         result: file for the times. Finished trips are stored next to it, and a later run drives only missing trips.
             If None, no trips are stored.
         `tell`: function that receives the progress.
-        again: command that continues after a stop.
+        again: command that continues a stopped measurement.
 
     Raises:
         BadFile: the trips cannot be saved.
@@ -123,5 +123,5 @@ def show_times(times: Sequence[TripTimes], title: str) -> None:
 
 
 def spoken_place(place: Room) -> str:
-    """Return the name of a place as people say it."""
+    """Return the name of a place for messages."""
     return "the corridor" if place.is_corridor else f"room {place.people}"

@@ -142,8 +142,8 @@ def mavlink_replay(
 ) -> None:
     """Run a new hunt in which robots receive only the MAVLink frames of a recording.
 
-    If neither a study nor `--with` is given, and the rooms were reached in another order or the score differs, the exit
-    code is 1.
+    The exit code is 1 if the rooms were reached in another order or the score differs, unless a study file or `--with`
+    is given.
     """
     import asyncio
 

@@ -1,4 +1,4 @@
-"""Poses, run of the filter and output of `thbridge localize`."""
+"""Arguments, filter runs and output of `thbridge localize`."""
 
 import dataclasses
 import itertools
@@ -102,7 +102,7 @@ def corrected_localization(
         start: pose of the robot at the beginning. If None, it may be anywhere.
         seed: random seed.
         offset: time offset, seconds. If None, a first run estimates it; if the estimate fails, it is 0.
-        `tell`: receives the progress.
+        `tell`: function that receives the progress.
     """
     if offset is None:
         first = run_localization(recording, grid, software, start, seed, tell)

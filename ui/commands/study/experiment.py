@@ -132,7 +132,7 @@ def study_run(
     look: LookOption = ColourScheme.SYSTEM,
     hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
 ) -> None:
-    """Run the study for one participant after the other at this computer. After a crash, resume the last step."""
+    """Run a study at this computer, for one participant after the other. After a crash, continue at the same step."""
     if hosted:
         from ui.windows.kiosk.window import open_kiosk
 

@@ -69,7 +69,7 @@ def _suggest_to_robot(costs: Path, at: int, unvisited: str, as_json: bool) -> No
     # If some rooms are unreachable, no bound is known for a tour of the reachable rooms.
     least = tour.cost if compared else None
     if visits_all and not compared:
-        # Only the bound needs scipy, and importing it takes longer than finding most tours.
+        # Only the bound needs scipy. Importing scipy takes longer than finding most tours.
         from thbridge.hunt.tour_bound import least_tour_cost
 
         least = least_tour_cost(matrix, start, places, tour.cost)

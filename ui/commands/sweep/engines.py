@@ -15,7 +15,7 @@ from ui.first_start.compiling import usable_cores
 
 
 def chosen_engine(options: EngineOptions, warm: Sequence[str], log: Path) -> Engine[TaskT]:
-    """Return the engine that options choose; end the program if they are inconsistent.
+    """Return the engine that options choose; end the program if the options are inconsistent.
 
     Args:
         options: options of the engine.

@@ -1,4 +1,4 @@
-"""`thbridge sweep`: status and table of many games over the factors of a design."""
+"""`thbridge sweep status` and `sweep collect`: the status of a sweep, and the table of its games."""
 
 from pathlib import Path
 from typing import Annotated
