@@ -1,1 +1,1 @@
-"""A session on a live ROS graph: publishes the messages of a bag, and accepts requests of ROS clients."""
+"""Session on a live ROS graph, which publishes the messages of a bag, and accepts requests of ROS clients."""

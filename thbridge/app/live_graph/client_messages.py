@@ -1,4 +1,4 @@
-"""Messages of a ROS graph's clients, read as requests to robots."""
+"""Conversion of messages of ROS clients into requests to robots."""
 
 from itertools import count
 
@@ -10,52 +10,53 @@ from thbridge.ros.messages.stamps import stamp_ns
 
 
 class ClientMessages:
-    """Reader of clients' messages, which numbers goals in the order in which it reads them."""
+    """Reader of clients' messages, which gives numbers to goals in the order of reading."""
 
     def __init__(self) -> None:
         self._goals = count()
         self._tick = 0
 
     def advance(self, tick: int) -> None:
-        """Note the present tick."""
+        """Store the number of the present tick."""
         self._tick = tick
 
     def pose(self, robot: int, data: bytes) -> Request | InvalidMessage:
-        """Return the request in a message to `initialpose`."""
+        """Return the request in a message on the topic `initialpose`."""
         found = clients.pose_estimate(data)
         return found if isinstance(found, InvalidMessage) else InitialPose(robot, found.base_in_map, found.covariance)
 
     def velocity(self, robot: int, data: bytes) -> Request | InvalidMessage:
-        """Return the request in a message to `cmd_vel`."""
+        """Return the request in a message on the topic `cmd_vel`."""
         found = clients.velocity(data)
         return found if isinstance(found, InvalidMessage) else VelocityCommand(robot, found)
 
     def simple_goal(self, robot: int, data: bytes) -> Request | InvalidMessage:
-        """Return the request in a message to `move_base_simple/goal`."""
+        """Return the request in a message on the topic `move_base_simple/goal`."""
         found = clients.goal_pose(data)
         return found if isinstance(found, InvalidMessage) else SimpleGoal(robot, found, next(self._goals))
 
     def goal(self, robot: int, data: bytes) -> Request | InvalidMessage:
-        """Return the request in a message to `move_base/goal`."""
+        """Return the request in a message on the topic `move_base/goal`."""
         found = clients.action_goal(data)
         if isinstance(found, InvalidMessage):
             return found
         number, stamp = next(self._goals), self._not_ahead(found.stamp_ns)
         if isinstance(found.pose, InvalidMessage):
-            # The goal is passed on without a pose, because the client waits for a result.
+            # A goal without a valid pose is also passed on, because the client waits for a result.
             return GoalRequest(robot, found.goal_id, stamp, None, number, found.pose.sentence)
         return GoalRequest(robot, found.goal_id, stamp, found.pose, number)
 
     def cancel(self, robot: int, data: bytes) -> Request | InvalidMessage:
-        """Return the request in a message to `move_base/cancel`."""
+        """Return the request in a message on the topic `move_base/cancel`."""
         found = clients.action_cancel(data)
         if isinstance(found, InvalidMessage):
             return found
         return CancelRequest(robot, found.goal_id, self._not_ahead(found.stamp_ns))
 
     def _not_ahead(self, stamp: int) -> int:
-        """Return a client's stamp, or the present time if the client's clock is ahead, as it is without /use_sim_time.
+        """Return a client's stamp; if the stamp is in the future, return the present time.
 
-        The goal with the newest stamp wins, so a stamp that is ahead would block all other clients until that time.
+        Stamps are in the future if a client does not use /use_sim_time. The goal with the newest stamp has priority, so
+        a stamp in the future would block all other clients until that time.
         """
         return min(stamp, stamp_ns(self._tick))

@@ -1,7 +1,7 @@
-"""A session on a ROS graph: publishes the messages of a bag, and passes on clients' requests to the robots.
+"""Session on a ROS graph, which publishes the messages of a bag, and passes clients' requests to the robots.
 
-A client's message does not act at once: it becomes a request that the session processes between two ticks and records.
-Queries (for the map or a plan) are answered at once and change no state.
+A client's message does not act at once: it becomes a request, which the session processes between two ticks, and
+records. Queries (for the map or a plan) are answered at once and do not change the state.
 """
 
 import logging
@@ -44,7 +44,7 @@ from thbridge.study.external_nodes import ExternalNodes
 _log = logging.getLogger(__name__)
 
 OF_AMCL = frozenset({"amcl_pose", "particlecloud", "initialpose", *OF_ERRORS})
-"""Last parts of topic names: topics that amcl publishes or reads, and topics with errors of our own localizer."""
+"""Last parts of the names of topics that amcl publishes or reads, and of topics with errors of our localizer."""
 NO_POSES: FloatArray = np.empty((0, 3))
 
 
@@ -55,8 +55,8 @@ class TeamDescription:
     Attributes:
         topics: topics to advertise.
         grid: the map.
-        rest: parameters of the study other than the robots'.
-        body: corners of a robot's body, meters in its base frame.
+        rest: parameters of the study, without the parameters of robots.
+        body: corners of a robot's body in the robot's base frame, meters.
         external: nodes that other programs run for these robots.
     """
 
@@ -68,14 +68,14 @@ class TeamDescription:
 
 
 class LiveGraph:
-    """One node in place of map_server, amcl, move_base and the robots' drivers.
+    """Node that replaces map_server, amcl, move_base and the robots' drivers.
 
     Args:
         graph: the ROS graph.
         description: description of the team.
-        team: its robots.
-        ask: called with clients' requests and the clients' names.
-        receive_frame: called with MAVLink frames for one robot; None if robots are not MAVLink vehicles.
+        team: robots of the team.
+        ask: callback with the name of a client and its request.
+        receive_frame: callback with the index of a robot and a MAVLink frame; None if robots are not MAVLink vehicles.
     """
 
     def __init__(
@@ -132,14 +132,14 @@ class LiveGraph:
         offer_loggers(self._node)
 
     def _declare_starts(self) -> None:
-        """Declare each robot's start pose for an external amcl; our own localizer starts at the same pose."""
+        """Set each robot's start pose as parameters for an external amcl. Our localizer starts at the same pose."""
         for robot, named in enumerate(self._robots):
             pose = self._team.believed_pose(robot)
             for name, value in (("x", pose.x), ("y", pose.y), ("a", pose.theta)):
                 self._node.ros.declare_param(named.topic(f"amcl/initial_pose_{name}"), value)
 
     async def start(self) -> NodeStarted | CannotListen:
-        """Join the graph; its master may start later."""
+        """Join the graph, whose master may start later."""
         return await self._node.ros.start()
 
     async def stop(self) -> None:
@@ -147,7 +147,7 @@ class LiveGraph:
         await self._node.ros.stop()
 
     def _on_shutdown(self, reason: str) -> None:
-        # A node of the graph must not end the participant's hunt, so only the connection is closed.
+        # Nodes of the graph must not end the participant's hunt, so only the connection to the graph is closed.
         _log.warning("disconnected from the ROS graph (%s); the session continues without it", reason)
         self._node.ros.leave()
 
@@ -157,7 +157,7 @@ class LiveGraph:
         return sum(publication.dropped for publication in self._publications.values())
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
-        """Publish the messages of one tick, the clock first."""
+        """Publish the messages of one tick; the clock is the first message."""
         self._tick = tick
         self._messages.advance(tick)
         self._limiter.tick()
@@ -186,18 +186,18 @@ class LiveGraph:
         return self._external.amcl and word in OF_AMCL
 
     def _without_corrections(self, data: bytes) -> bytes:
-        """Return a message of transforms without those of the map, because the external amcl publishes them."""
+        """Return a message without the transforms of the map, which the external amcl publishes."""
         return pack.stamped_transforms(
             [piece for parent, piece in unpack.transform_pieces(data) if parent != MAP_FRAME]
         )
 
     def _publish_recoveries(self) -> None:
-        """Publish each recovery behavior that a robot has begun in the last tick."""
+        """Publish all recovery behaviors that robots have begun in the last tick."""
         if self._external.move_base:
             return
         for robot, progress in enumerate(self._team.recoveries):
             before, self._recoveries[robot] = self._recoveries[robot], progress.tried
-            # If the list restarted within the tick, all behaviors tried since then are new.
+            # If a robot began the list again within the tick, all behaviors tried since then are new.
             first = before if progress.tried >= before else 0
             for number in range(first, progress.tried):
                 name, base = progress.names[number], self._team.believed_pose(robot)
@@ -223,7 +223,7 @@ class LiveGraph:
         self, topic: str, read: Callable[[bytes], Request | InvalidMessage], data: bytes, caller: str
     ) -> None:
         if caller == CALLER:
-            return  # The game's own goals and commands are on the same topics.
+            return  # The game sends its own goals and commands on the same topics.
         if not self._limiter.admits(topic, caller):
             return
         request = read(data)
@@ -286,7 +286,7 @@ class LiveGraph:
         return b""
 
     def _set_map(self, robot: int, data: bytes) -> bytes | ServiceFailed:
-        """Serve amcl's set_map: only the pose has an effect, because all robots must have the same map."""
+        """Answer amcl's service set_map. Only the pose has an effect, because all robots must have the same map."""
         service = self._robots[robot].topic("set_map")
         if not self._limiter.admits(service, "clients"):
             return ServiceFailed("too many requests")
@@ -294,7 +294,7 @@ class LiveGraph:
         if isinstance(found, InvalidMessage):
             return ServiceFailed(found.sentence)
         if found.grid != self._description.grid:
-            self._complaints.warn(f"{service}: another map cannot be set while a session is under way")
+            self._complaints.warn(f"{service}: the map cannot be replaced during a session")
             return pack.boolean(False)
         self._ask(service, SetPoseEstimate(robot, found.estimate.base_in_map, found.estimate.covariance))
         return pack.boolean(True)
@@ -305,7 +305,7 @@ class LiveGraph:
             return ServiceFailed(question.sentence)
         plan = self._team.make_plan(robot, question.start, question.goal, question.tolerance)
         if isinstance(plan, NoPlan):
-            # move_base also answers with an empty plan, and only logs the reason.
+            # Like move_base, answer with an empty plan, and only log the reason.
             _log.info("%s: no plan: %s", self._robots[robot].topic("move_base/make_plan"), plan.sentence)
             return pack.path(self._tick, MAP_FRAME, NO_POSES)
         return pack.path(self._tick, MAP_FRAME, plan)
@@ -320,8 +320,8 @@ async def on_graph(
     Args:
         live: the session's node.
         graph: the ROS graph.
-        joined: called with the master, or with the reason why there is no master or why the node cannot listen; it may
-            raise.
+        joined: callback with the master, or with the reason why there is no master or the node cannot listen. The
+            callback may raise an exception.
     """
     async with ensure_master(graph) as master:
         joined(master)

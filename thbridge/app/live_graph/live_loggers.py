@@ -1,4 +1,4 @@
-"""Log levels of a session, for rqt_logger_level and rosservice: the services that roscpp gives every node."""
+"""Log levels of a session, by the services that every node of roscpp has (for rqt_logger_level and rosservice)."""
 
 import logging
 
@@ -11,7 +11,7 @@ from thbridge.ros.names import CALLER
 from thbridge.rosgraph.wire.links import ServiceFailed
 
 LOGGERS = ("thbridge", "sim", "ui")
-"""Loggers with a level that can be read and set: one for each package."""
+"""Loggers whose levels can be read and set, one for each package."""
 _LEVELS = {
     "debug": logging.DEBUG,
     "info": logging.INFO,
@@ -22,7 +22,7 @@ _LEVELS = {
 
 
 def offer_loggers(node: TypedNode) -> None:
-    """Serve `get_loggers` and `set_logger_level` of our node."""
+    """Offer the services `get_loggers` and `set_logger_level` of our node."""
     node.serve(f"{CALLER}/get_loggers", types.GET_LOGGERS, _get)
     node.serve(f"{CALLER}/set_logger_level", types.SET_LOGGER_LEVEL, _set)
 
@@ -33,7 +33,7 @@ def _get(request: bytes) -> bytes:
 
 
 def _word(level: int) -> str:
-    """Return ROS's name of its highest level that is not above a Python level."""
+    """Return the ROS name of a Python level: the highest ROS level that is not above the Python level."""
     return next((word for word, known in reversed(_LEVELS.items()) if known <= level), "debug")
 
 
@@ -43,8 +43,8 @@ def _set(request: bytes) -> bytes | ServiceFailed:
         return ServiceFailed(asked.sentence)
     level = _LEVELS.get(asked.level.lower())
     if level is None:
-        return ServiceFailed(f"there is no level {asked.level!r}; name one of {', '.join(_LEVELS)}")
+        return ServiceFailed(f"there is no level {asked.level!r}. Use one of these levels: {', '.join(_LEVELS)}")
     if asked.logger not in LOGGERS:
-        return ServiceFailed(f"there is no logger {asked.logger!r}; name one of {', '.join(LOGGERS)}")
+        return ServiceFailed(f"there is no logger {asked.logger!r}. Use one of these loggers: {', '.join(LOGGERS)}")
     logging.getLogger(asked.logger).setLevel(level)
     return b""

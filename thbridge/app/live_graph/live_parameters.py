@@ -1,7 +1,7 @@
-"""The robots' parameters on a ROS graph: on the parameter server, and by dynamic_reconfigure.
+"""Parameters of the robots on a ROS graph, on the parameter server and by dynamic_reconfigure.
 
-A change through one of the two becomes a request that the session processes and records. Then the other one shows the
-change.
+A change by one of these two methods becomes a request, which the session processes and records. Then the parameter
+server and dynamic_reconfigure both have the new value.
 """
 
 import json
@@ -30,22 +30,23 @@ from thbridge.study.external_nodes import ExternalNodes
 _log = logging.getLogger(__name__)
 
 ROBOT = RobotNames.of(0)
-"""Any robot, to recognize nodes by their names."""
+"""Names of an arbitrary robot, with which nodes are recognized."""
 
 
 class LiveParameters:
-    """Current parameters of the robots, for nodes of the graph to read and change.
+    """Present parameters of the robots, which nodes of the graph can read and change.
 
-    Differs: in ROS a parameter on the parameter server is read once, when its node starts. Here a change acts at once,
-    as with dynamic_reconfigure.
+    Differs: in ROS, a node reads a parameter from the parameter server only when the node starts. Here, a change acts
+    at once, as with dynamic_reconfigure.
 
     Args:
         node: node of the session.
         software: parameters of each robot at the start.
-        body: corners of a robot's body, meters in its base frame.
-        limiter: limits the rate of changes.
-        ask: called with requests and the name of the parameters or of the service.
-        external: nodes that other programs run. They change their own parameters; the values here are initial values.
+        body: corners of a robot's body in the robot's base frame, meters.
+        limiter: limiter of the rate of changes.
+        ask: callback with a request, and the name of the parameters or of the service as sender.
+        external: nodes that other programs run. They change their own parameters; here, only the initial values are
+            published.
     """
 
     def __init__(
@@ -80,23 +81,23 @@ class LiveParameters:
                 self._offer(robot, section)
 
     def _servers(self) -> tuple[ReconfigureServer, ...]:
-        """Return the dynamic_reconfigure servers of the nodes that this session runs."""
+        """Return the dynamic_reconfigure servers of the nodes that are part of this session."""
         servers = reconfigure.reconfigure_servers()
         return tuple(section for section in servers if not self._is_external(section.name(ROBOT)))
 
     def _is_external(self, name: str) -> bool:
-        """Return True for the name of an external node, or of one of its parameters."""
+        """Return True for the name of an external node, or of a parameter of an external node."""
         node = next(iter(name.strip("/").split("/")[1:]), "")
         return self._external.amcl if node == "amcl" else self._external.move_base and node == MOVE_BASE
 
     def _as_nodes_read(self, robot: int) -> dict[str, ParameterValue]:
-        """Return a robot's parameters on the parameter server, by their full names."""
+        """Return a robot's parameters as on the parameter server, by full name."""
         named = self._robots[robot]
         tree = robot_tree(self._software[robot], named, self._body)
         return cast(dict[str, ParameterValue], dict(leaves(named.namespace, tree)))
 
     def follow(self, software: Sequence[RobotParameters]) -> None:
-        """Publish changed parameters of the last tick, also if a dead robot did not accept the change."""
+        """Publish the parameters that changed in the last tick, also if a dead robot did not accept a change."""
         for robot, now in enumerate(software):
             before, self._software[robot] = self._software[robot], now
             if now is not before and now != before:
@@ -113,7 +114,7 @@ class LiveParameters:
         self._node.serve(service, types.RECONFIGURE, partial(self._reconfigure, robot, section, service))
 
     def _reconfigure(self, robot: int, section: ReconfigureServer, service: str, data: bytes) -> bytes | ServiceFailed:
-        """Serve a change by a client of dynamic_reconfigure; the response contains the resulting values."""
+        """Carry out a change by a client of dynamic_reconfigure; the response contains the resulting values."""
         if not self._limiter.admits(service, "clients"):
             return ServiceFailed("too many requests")
         changes = reconfigure.requested_changes(section, self._software[robot], data)
@@ -124,14 +125,14 @@ class LiveParameters:
         return self._publish(robot, section)
 
     def _set(self, robot: int, key: str, value: XmlRpcValue) -> None:
-        """Process a change of a parameter, or of many below one key.
+        """Process a change of a parameter on the parameter server, or of several parameters below one key.
 
-        Valid changes act; parameters with invalid changes are reset.
+        Valid changes act. After an invalid change, the old value is published again.
         """
         named, before, key = self._robots[robot], self._software[robot], key.rstrip("/")
         given = {name: leaf for name, leaf in leaves(key, value) if not self._is_external(name)}
         declared = {name: leaf for name, leaf in self._declared[robot].items() if not self._is_external(name)}
-        # Setting the present value is no change, so that a client can load a dump of all parameters.
+        # A value that is equal to the present value is no change, so that clients can load a dump of all parameters.
         new = {name: leaf for name, leaf in given.items() if leaf != declared.get(name)}
         changes = [
             (path, _readable(leaf))
@@ -139,17 +140,17 @@ class LiveParameters:
             if (path := path_of(named, name)) and has(before, path)
         ]
         for name in new.keys() & declared.keys() - {name_of(named, path) for path, _ in changes}:
-            self._complaints.warn(f"{name} keeps its value: it is fixed for robots of this study")
+            self._complaints.warn(f"{name} keeps its value: this parameter is fixed for robots of this study")
         if self._limiter.admits(key, "clients"):
             self._change(robot, changes, named.topic("parameters"))
-        # Setting a whole section removes the parameters that are not in it; they are declared again.
+        # When a client sets a section, the server deletes parameters that the client omits. They are declared again.
         replaced = {name for name in declared if name == key or name.startswith(f"{key}/")}
         self._publish_changes(
             robot, [path for path, _ in changes], {n for n in replaced if declared[n] != given.get(n)}
         )
 
     def _change(self, robot: int, changes: Sequence[tuple[str, SetValue]], sender: str) -> None:
-        """Change parameters together. If they are not valid together, change one by one those that are valid."""
+        """Change parameters together. If the changes are not valid together, make each valid change separately."""
         whole = with_values(self._software[robot], changes)
         for values in [changes] if not isinstance(whole, ParameterRejection) else [[one] for one in changes]:
             after = with_values(self._software[robot], values)
@@ -163,9 +164,9 @@ class LiveParameters:
         """Publish the values of some parameters, on the parameter server and by dynamic_reconfigure.
 
         Args:
-            robot: its index.
+            robot: index of the robot.
             paths: paths of the parameters.
-            lost: names of parameters that the server has lost, or has with another value.
+            lost: names of parameters that are missing on the server, or have another value there.
         """
         self._declare(robot, lost)
         touched = {path.rpartition(".")[0] for path in paths}
@@ -174,7 +175,7 @@ class LiveParameters:
                 self._publish(robot, section)
 
     def _declare(self, robot: int, lost: Collection[str] = ()) -> None:
-        """Set the parameters on the parameter server that have changed or that it has lost."""
+        """Set the parameters that have changed or are missing on the parameter server."""
         before, now = self._declared[robot], self._as_nodes_read(robot)
         self._declared[robot] = now
         for name, value in now.items():
@@ -182,17 +183,17 @@ class LiveParameters:
                 self._node.ros.declare_param(name, sendable(value))
 
     def _publish(self, robot: int, section: ReconfigureServer) -> bytes:
-        """Publish a section's values to dynamic_reconfigure's clients; return the message."""
+        """Publish the values of a section to clients of dynamic_reconfigure, and return the message."""
         now = reconfigure.config(section, self._software[robot])
         self._updates[robot, section.path].publish(now)
         return now
 
 
 def sendable(value: ParameterValue) -> XmlRpcValue:
-    """Return a parameter's value, unchanged, with the type that the parameter server declares."""
+    """Return the unchanged value of a parameter, with the declared type of values on the parameter server."""
     return cast(XmlRpcValue, value)
 
 
 def _readable(value: object) -> SetValue:
-    """Return a parameter's value for a request: lists, such as footprints, become text."""
+    """Return the value of a parameter for a request, in which lists, such as footprints, are text."""
     return value if isinstance(value, bool | int | float | str | None) else json.dumps(value, default=str)

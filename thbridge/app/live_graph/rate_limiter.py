@@ -1,4 +1,4 @@
-"""Rate limiter, so that no client can flood a session, its robots' status lists, or its recording."""
+"""Rate limiter, which protects a session, the robots' status lists and the recording from floods of requests."""
 
 import logging
 from collections import Counter
@@ -6,8 +6,10 @@ from collections import Counter
 from thbridge.sockets.warn_once import WarnOnce
 
 REQUESTS_PER_TICK = 10
-"""Largest number of requests of one client on one topic between two ticks. It allows 500 per second, ten times the rate
-that robots need."""
+"""Largest number of requests of one client on one topic between two ticks.
+
+This is 500 requests per second, ten times as many as robots need.
+"""
 
 _log = logging.getLogger(__name__)
 
@@ -24,16 +26,16 @@ class RateLimiter:
         self._counts.clear()
 
     def admits(self, topic: str, client: str) -> bool:
-        """Count a request; return False above the limit, which is logged once."""
+        """Count a request. Return False and log a warning (only once) if the count is above the limit."""
         self._counts[topic, client] += 1
         if self._counts[topic, client] <= REQUESTS_PER_TICK:
             return True
         self._complaints.warn(
-            f"{topic}: {client} sends more than {REQUESTS_PER_TICK} requests in a tick; the rest are dropped"
+            f"{topic}: {client} sends more than {REQUESTS_PER_TICK} requests in a tick; further requests are dropped"
         )
         return False
 
     def is_first(self, service: str) -> bool:
-        """Count a call; return True for the first in a tick. For services that need to act only once per tick."""
+        """Count a call of a service that must act only once per tick; return True for the first call in a tick."""
         self._counts[service, ""] += 1
         return self._counts[service, ""] == 1

@@ -1,4 +1,4 @@
-"""Topics and services of a node, declared only by the names of their types."""
+"""Node of ROS whose topics and services are declared only by the names of their types."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from thbridge.rosgraph.sockets.tcpros_server import ServiceHandler
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TypedNode:
-    """A node with the definitions of its message types.
+    """Node with the definitions of its message types.
 
     Attributes:
         ros: the node.
@@ -32,6 +32,6 @@ class TypedNode:
         self.ros.subscribe(topic, msgtype, self.definitions.of(msgtype).md5, on_message)
 
     def serve(self, service: str, kind: str, handler: ServiceHandler) -> None:
-        """Serve a service; see `RosNode.serve`."""
+        """Offer a service; see `RosNode.serve`."""
         known = service_type(kind)
         self.ros.serve(service, kind, known.md5, known.request, known.response, handler)
