@@ -40,7 +40,7 @@ class StudyUnderWay(Protocol):
     Methods that handle a request return a sentence if they refuse the request, otherwise None.
 
     Attributes:
-        changed: called after each event of the log, and when `kiosk` or `troubles` change.
+        changed: function that is called after each event of the log, and when `kiosk` or `troubles` change.
     """
 
     changed: Callable[[], None]
@@ -66,7 +66,7 @@ class StudyUnderWay(Protocol):
         """End a participant's run at the current step."""
 
     def busy_with(self, participant: str) -> str | None:
-        """Return why a participant cannot withdraw now."""
+        """Return a sentence if a participant cannot withdraw now, otherwise None."""
 
 
 class Desk:

@@ -93,13 +93,13 @@ class WindowGames:
         return setting_of(with_team_size(self.study, robots), self.file)
 
     def speak(self, offer: Offer, language: str) -> Offer:
-        """Use another language from now on; return the offer in it."""
+        """Use another language from now on; return the offer in this language."""
         talk = dataclasses.replace(self.study.dialogue, language=language)
         self.study = dataclasses.replace(self.study, dialogue=talk)
         return offer_of(self.setting(offer.usual), offer.least == offer.most, offer.languages)
 
     def game(self, robots: int) -> PlayGame:
-        """Return a game with this number of robots, which is recorded."""
+        """Return a game with this number of robots; the game is recorded."""
         setting = self.setting(robots)
         bag = self.options.bag or usual_bag(setting)
 

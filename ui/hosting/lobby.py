@@ -53,7 +53,7 @@ class GameVisit:
         """Message with which the participant left; None while they are in the game."""
 
     def ready(self, where: ListeningAddress) -> None:
-        """Let the window join the game at this address."""
+        """Make the window join the game at this address."""
         host = WILDCARD_ADDRESSES.get(where.host, where.host)
         join = Join(host, where.port, self._token, self._practice, self._agreed_at)
         self._joining = asyncio.get_running_loop().create_task(self._window.send(join))

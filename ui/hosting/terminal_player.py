@@ -71,7 +71,7 @@ class TerminalPlayer:
     _names: dict[int, str] = field(default_factory=dict)
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
-        """Return the requests typed since the last call, and those that follow from agreements; see `Player`."""
+        """Return the requests typed since the last call, and the requests that follow from agreements; see `Player`."""
         if view != self._view:
             before, self._view = self._view, view
             for line in Telling(self.texts(), self.rooms(), view, self._typed).changes(before):

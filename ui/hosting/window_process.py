@@ -25,7 +25,7 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
 
     Args:
         command: command that opens the window.
-        protocol: protocol of its messages.
+        protocol: protocol of the window's messages.
         name: name of the window in messages.
     """
 

@@ -157,7 +157,7 @@ class _Visit:
         self._news = GameNews(0, -1)
         self._to_do: tuple[str, ...] = ()
         self.page = 0
-        """Number of the game's page; 0 if it was not shown."""
+        """Number of the game's page; 0 if the page has not been shown."""
         self.went_on = False
         """True after the person has left the game."""
 

@@ -203,7 +203,7 @@ def _inputs_of(bag: Path) -> Path:
 
 
 def _break_off(log: Path, bag: Path, earlier: Path | None, watcher: GameWatcher) -> None:
-    """Keep the files of an abandoned game; do nothing if there are none.
+    """Keep the files of an abandoned game; do nothing if there are no files.
 
     Args:
         log: log of the abandoned game's inputs.

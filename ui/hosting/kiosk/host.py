@@ -171,7 +171,7 @@ class KioskHost:
         await self._part(participant)
 
     async def _begin(self) -> bool:
-        """Run the next step; return False if there is none."""
+        """Run the next step; return False if no step is left."""
         self._pages.check()
         before = self._pages.run
         if before.last_outcome is StepOutcome.FAILED and not before.under_way:
@@ -253,7 +253,7 @@ class KioskHost:
         self._conductor.tell_of_run(EventKind.RECRUITING_CODE, self._pages.person, {"code": code}, "participant")
 
     async def _show_repetition(self, run: Run) -> None:
-        """Inform a person who failed a check that it is repeated; do nothing if it is not repeated."""
+        """Inform a person who failed a check that the check is repeated; do nothing if it is not repeated."""
         check = next((step for step in run.plan[run.step - 1 :] if step.number in run.attempts), None)
         if check is None or check.number in run.failed:
             return

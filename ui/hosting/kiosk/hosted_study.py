@@ -1,4 +1,4 @@
-"""Interface between the kiosk and the researcher's desk: requests of the desk, and the state that it shows."""
+"""Interface between the kiosk and the researcher's desk: requests of the desk, and the state that the desk shows."""
 
 from collections.abc import Callable
 
@@ -18,7 +18,7 @@ class HostedStudy:
         pages: pages of the kiosk.
 
     Attributes:
-        changed: called after each event of the log, and when `kiosk` or `troubles` change.
+        changed: function that is called after each event of the log, and when `kiosk` or `troubles` change.
     """
 
     def __init__(self, conductor: Conductor, pages: KioskPages) -> None:

@@ -71,7 +71,7 @@ class KioskPages:
 
     Attributes:
         changed: function that is called when another page is shown, and when the lag changes.
-        person: id of the participant at the kiosk; empty if there is none.
+        person: id of the participant at the kiosk; empty if no participant is there.
         number: number of the shown page.
         shown: description of the shown page.
         lag: time by which the game is behind real time, whole seconds.

@@ -56,7 +56,7 @@ class TextSteps:
         return text, path.suffix == ".md"
 
     async def consent(self, step: PlannedStep) -> None:
-        """Show a consent until the person answers; raise RunOver if the person does not agree."""
+        """Show a consent text until the person answers; raise RunOver if the person does not agree."""
         if self._pages.run.agrees is None:
             path = self._design.path.parent / (step.entry.text or Path())
             content = read_bytes(path)
