@@ -1,1 +1,1 @@
-"""ROS 1 messages: types and definitions, records, and the conversion of values to bytes and back."""
+"""ROS 1 messages: types and definitions, records, conversion of values to bytes and back."""

@@ -1,4 +1,4 @@
-"""Reader of ROS message bytes: little-endian, fields in order, a 32-bit length before strings and arrays."""
+"""Reader of the bytes of ROS messages. Fields are in order and little-endian. Texts and arrays follow their length."""
 
 from struct import Struct, error
 from typing import Self
@@ -17,7 +17,7 @@ POSE = Struct("<7d")
 
 
 class Cursor:
-    """Reader of the fields of a message, one by one; each method raises ValueError if the message ends too early."""
+    """Reader of the fields of a message, one by one. Each method raises ValueError if the message ends too early."""
 
     def __init__(self, data: bytes) -> None:
         self._data = data
@@ -32,7 +32,7 @@ class Cursor:
 
     @property
     def has_more(self) -> bool:
-        """True if there are bytes left to read."""
+        """True if the message contains further bytes."""
         return self._at < len(self._data)
 
     def take(self, count: int) -> bytes:
@@ -45,7 +45,7 @@ class Cursor:
         return taken
 
     def remaining(self) -> bytes:
-        """Return all bytes not yet read, without reading them."""
+        """Return all bytes that are not read yet, without reading them."""
         return self._data[self._at :]
 
     def integer(self, form: Struct) -> int:
@@ -67,7 +67,7 @@ class Cursor:
         return np.frombuffer(self.take(8 * count), dtype="<f8").astype(np.float64)
 
     def string(self) -> str:
-        """Read a text; bytes that are not UTF-8 are replaced."""
+        """Read a text. Bytes that are not UTF-8 are replaced."""
         return self.take(self.integer(UINT32)).decode(errors="replace")
 
     def stamp(self) -> int:
@@ -76,7 +76,7 @@ class Cursor:
         return int(seconds) * 1_000_000_000 + int(nanoseconds)
 
     def header(self) -> tuple[int, str]:
-        """Read a header: its stamp in nanoseconds and its frame."""
+        """Read a header. Return its stamp in nanoseconds and its frame."""
         self.take(UINT32.size)
         return self.stamp(), self.string()
 

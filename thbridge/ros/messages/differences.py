@@ -1,4 +1,4 @@
-"""The fields in which two messages of one type differ."""
+"""Fields in which two messages of the same type differ."""
 
 import struct
 from collections.abc import Iterator
@@ -12,18 +12,18 @@ from rosbags.typesys.msg import normalize_msgtype
 from thbridge.ros.messages.types import typestore
 
 MOST = 20
-"""Largest number of differing fields reported for one message."""
+"""Maximum number of differing fields that are reported for a message."""
 _BEFORE, _EXCERPT = 12, 40
-"""Length of excerpts of long texts: characters before the first difference, and in total."""
+"""Length of excerpts of long texts: number of characters before the first difference, and total number."""
 
 
 @dataclass(frozen=True, slots=True)
 class FieldDifference:
-    """A field in which two messages differ.
+    """Field in which two messages differ.
 
     Attributes:
-        field: its path, for example "pose.pose.position.x" or "ranges[17]".
-        was: its value in the first message, as text; "nothing" beyond the end of a list.
+        field: path of the field, for example "pose.pose.position.x" or "ranges[17]".
+        was: its value in the first message, as text. "nothing" means that the list is shorter.
         now: its value in the other message, as text.
     """
 
@@ -41,7 +41,7 @@ def differences(msgtype: str, was: bytes, now: bytes) -> tuple[FieldDifference, 
         now: the other message.
 
     Raises:
-        ValueError: one of them cannot be read as a message of the type.
+        ValueError: one of the messages cannot be read as a message of this type.
     """
     store, name = typestore(), normalize_msgtype(msgtype)
     try:
@@ -72,7 +72,7 @@ def _between(path: str, was: object, now: object) -> Iterator[FieldDifference]:
 
 
 def _text(value: object) -> str:
-    """Return a value as text with all digits, so that values that differ by one bit have different texts."""
+    """Return a value as text with all digits. So values that differ by one bit have different texts."""
     if value is None:
         return "nothing"
     return repr(value.item()) if isinstance(value, np.generic) else repr(value)

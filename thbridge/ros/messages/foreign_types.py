@@ -1,4 +1,4 @@
-"""Message types as defined in bags of other programs, parsed within limits.
+"""Message types that bags of other programs define. They are parsed within limits.
 
 A definition of some kilobytes can describe billions of fields, and rosbags creates classes from what it parses.
 """
@@ -13,15 +13,15 @@ from rosbags.typesys.msg import normalize_msgtype
 from rosbags.typesys.store import Typestore
 
 LONGEST_TEXT = 1 << 20
-"""Longest definition in characters, including comments and the types within it."""
+"""Maximum length of a definition in characters, including comments and the types within it."""
 MOST_LINES = 10_000
-"""Largest number of lines of a definition."""
+"""Maximum number of lines of a definition."""
 MOST_FIELDS = 10_000
-"""Largest number of fields of a type; fields of types within it count at each occurrence."""
+"""Maximum number of fields of a type. Fields of types within it count at each occurrence."""
 DEEPEST_TYPE = 32
-"""Largest depth of nested types."""
+"""Maximum depth of nested types."""
 LARGEST_MESSAGE = 1 << 26
-"""Largest total size in bytes of the arrays of fixed length in a message of a type."""
+"""Maximum total size in bytes of the arrays of fixed length in a message."""
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,127}(/msg|/action)?/[A-Za-z][A-Za-z0-9_]{0,127}")
 _TIMES = {"builtin_interfaces/msg/Time": 8, "builtin_interfaces/msg/Duration": 8}
@@ -30,7 +30,7 @@ _SIZES = {
     "int64": 8, "uint64": 8, "float32": 4, "float64": 8, "string": 4,
 }  # fmt: skip
 _STUMBLES = (TypesysError, ValueError, LookupError, AssertionError, RecursionError)
-"""Errors of rosbags' parser for texts that are not definitions."""
+"""Errors that rosbags' parser raises for texts that are not definitions."""
 
 
 def check_type_name(msgtype: str) -> None:
@@ -40,7 +40,7 @@ def check_type_name(msgtype: str) -> None:
 
 
 def types_in(msgtype: str, text: str) -> Typesdict:
-    """Return the types that a full definition text defines, by rosbags' names.
+    """Return the types that a full definition defines, by rosbags' names.
 
     Args:
         msgtype: for example "nav_msgs/Odometry".
@@ -67,7 +67,7 @@ def types_in(msgtype: str, text: str) -> Typesdict:
 
 
 def store_of(types: Typesdict) -> Typestore:
-    """Return a store with only these types. Raises ValueError if names of their fields collide."""
+    """Return a store with only these types. Raises ValueError if the names of their fields collide."""
     store = get_typestore(Stores.EMPTY)
     register(store, types)
     return store
@@ -116,7 +116,7 @@ def _check_size(types: Typesdict, name: str) -> None:
 
 
 def _named(described: object) -> str | None:
-    """Return the message type of a field, also of an array; None for a built-in type."""
+    """Return the message type of a field or of an array's elements. Return None for a built-in type."""
     match described:
         case (2, str(name)):
             return name
@@ -126,7 +126,7 @@ def _named(described: object) -> str | None:
 
 
 def _size(described: object, sizes: Mapping[str, int]) -> int:
-    """Return the smallest size of a field, bytes; a message without fields counts as one, because it takes time."""
+    """Return the minimum size of a field in bytes. A message without fields counts as one byte, because it takes time."""
     match described:
         case (1, (str(base), _)):
             return _SIZES.get(base, 1)

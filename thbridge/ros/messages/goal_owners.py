@@ -1,14 +1,14 @@
 """Owners of goals, and the numbers of their goals in recordings.
 
-A goal of a navigator has an owner and a number, which its owner counts. Recordings, requests of watchers and ids of
-goals in ROS have one number for both: each owner has its own range of numbers there.
+A goal of a navigator has an owner and a number. Each owner counts its own goals. Recordings, requests of watchers and
+ids of goals in ROS have one number instead of these two: each owner has its own range of numbers.
 """
 
 from enum import StrEnum
 
 
 class GoalOwner(StrEnum):
-    """Party that sets goals and counts them; `WINDOW` is used until the window's session has counted the goal."""
+    """Party that sets goals and counts them. `WINDOW` is used until the window's session has counted the goal."""
 
     GAME = ""
     ROS_CLIENT = "ROS client"
@@ -26,7 +26,7 @@ _FIRST = {
     GoalOwner.RESEARCHER: 2_000_000_000,
     GoalOwner.GROUND_STATION: 3_000_000_000,
 }
-"""Number in recordings of goal 0 of each owner, in ascending order."""
+"""Number in recordings of each owner's goal 0, in ascending order."""
 
 
 def recorded_number(owner: str, number: int) -> int:
@@ -35,6 +35,6 @@ def recorded_number(owner: str, number: int) -> int:
 
 
 def owned_number(recorded: int) -> tuple[GoalOwner, int]:
-    """Return the owner of a goal with this number in recordings, and the number of the goal for this owner."""
+    """Return the owner of a goal with this number in recordings, and the owner's own number of the goal."""
     owner = next((owner for owner, first in reversed(_FIRST.items()) if first <= recorded), GoalOwner.STRANGER)
     return owner, recorded - _FIRST[owner]

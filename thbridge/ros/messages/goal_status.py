@@ -1,4 +1,4 @@
-"""Goals of actionlib: their ids and states."""
+"""Ids and states of actionlib's goals."""
 
 from enum import IntEnum
 from typing import NamedTuple
@@ -33,7 +33,7 @@ ENDED = frozenset(
 
 
 class GoalId(NamedTuple):
-    """actionlib_msgs/GoalID: the id given by a client to its goal, and the time stamp (nanoseconds of ROS time)."""
+    """actionlib_msgs/GoalID: the id that a client gave to its goal, and the time stamp in nanoseconds of ROS time."""
 
     id: str
     stamp_ns: int

@@ -1,6 +1,7 @@
-"""Definitions for types that a bag defines incompletely or not at all: found by md5 sum, or by name if messages fit.
+"""Definitions of types that a bag defines incompletely or not at all.
 
-Some programs omit definitions from bags, or write a placeholder. The md5 sum over all fields identifies a type exactly.
+Some programs omit definitions from bags, or write a placeholder. Definitions are found by md5 sum, or by name if
+messages fit them. The md5 sum is computed from all fields, so it identifies a type exactly.
 """
 
 import re
@@ -30,14 +31,14 @@ class DefinitionSource(StrEnum):
 
 
 class IdentifiedType(NamedTuple):
-    """A definition, and its origin."""
+    """Definition of a type, and origin of this definition."""
 
     definition: str
     source: DefinitionSource
 
 
 def missing_types(msgtype: str, md5: str, text: str) -> tuple[str, ...]:
-    """Return the types that a full text lacks; the type itself comes first, and is missing if it has no field."""
+    """Return the types that a full text does not define. If the type itself has no field, it is the first of them."""
     own, *others = _PART.split(text)
     parts = {msgtype: own, **dict(zip(others[::2], others[1::2], strict=True))}
     missing = [] if md5 == EMPTY_MD5 or any(_kinds(own)) else [msgtype]
@@ -54,7 +55,7 @@ def _kinds(text: str) -> list[str]:
 
 @cache
 def identified(msgtype: str, md5: str, text: str) -> IdentifiedType | None:
-    """Return the definition of a type from the data of its connection; None if that is not enough.
+    """Return the definition of a type from the data of its connection. Return None if these data are not enough.
 
     A complete text is used unchanged. Otherwise the result is the type's known definition, or the text completed by
     known definitions of missing types. It must have the md5 sum.
@@ -80,13 +81,13 @@ def identified(msgtype: str, md5: str, text: str) -> IdentifiedType | None:
 
 
 def is_md5(text: str) -> bool:
-    """Return True for an md5 sum; some programs omit it, or write "*" for any."""
+    """Return True for an md5 sum. Some programs omit it, or write "*" for any md5 sum."""
     return _MD5.fullmatch(text) is not None
 
 
 @cache
 def known_definition(msgtype: str) -> Definition | None:
-    """Return the definition of a type of thbridge or ROS Noetic; None for any other type."""
+    """Return the definition of a type of thbridge or ROS Noetic. Return None for any other type."""
     try:
         return plain_definition(msgtype)
     except KeyError:
@@ -94,13 +95,13 @@ def known_definition(msgtype: str) -> Definition | None:
 
 
 def by_name(msgtype: str, data: bytes) -> IdentifiedType | None:
-    """Return the known definition of a type by its name, if the bytes of a message fit it."""
+    """Return the known definition of a type by its name. If the bytes of a message do not fit it, return None."""
     known = known_definition(msgtype)
     return IdentifiedType(known.text, DefinitionSource.NAME) if known is not None and fits(msgtype, data) else None
 
 
 def fits(msgtype: str, data: bytes) -> bool:
-    """Return True if bytes are a message of a type of thbridge or ROS Noetic: neither too few bytes nor too many."""
+    """Return True if the bytes are exactly one message of a type of thbridge or ROS Noetic."""
     name = normalize_msgtype(msgtype)
     try:
         return bytes(typestore().serialize_ros1(typestore().deserialize_ros1(data, name), name)) == data

@@ -1,7 +1,7 @@
-"""Records of a bag in addition to the robots' own topics: session, game, dialogue, inputs, requests, vehicles.
+"""Records in bags in addition to the robots' own topics: session, game, dialogue, inputs, requests, vehicles.
 
-Robots are indices in the team, from 0. Rooms are numbers for people; 0 is the corridor. In messages, robots count from
-1, as in their namespaces.
+Robots are indices in the team, from 0. Rooms are numbers for people, and 0 is the corridor. In messages, robots count
+from 1, as in their namespaces.
 """
 
 from dataclasses import dataclass
@@ -24,21 +24,21 @@ from thbridge.ros.messages.session_records import (
 
 @dataclass(frozen=True, slots=True)
 class SendRobots:
-    """A raw %%goto line, for the topic of the system of 2016."""
+    """Unchanged %%goto line for a topic of the 2016 system."""
 
     line: str
 
 
 @dataclass(frozen=True, slots=True)
 class Success:
-    """A raw %%error line, for the topic of the system of 2016."""
+    """Unchanged %%error line for a topic of the 2016 system."""
 
     line: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InitialPose:
-    """A pose estimate given to a robot by a person (rviz: 2D Pose Estimate).
+    """Pose estimate that a person gave to a robot (rviz: 2D Pose Estimate).
 
     Attributes:
         robot: the robot.
@@ -53,15 +53,15 @@ class InitialPose:
 
 @dataclass(frozen=True, slots=True)
 class GoalRequest:
-    """A goal set by a client at a robot's action server move_base.
+    """Goal that a client set at a robot's action server move_base.
 
     Attributes:
         robot: the robot.
-        goal_id: the client's id of the goal; empty if the server has to choose one.
-        stamp_ns: the client's time stamp, nanoseconds of ROS time; 0 means now.
-        base_in_map: goal of the base; None if it cannot be used.
-        number: its `Goal.id` in the simulation, unique among the goals of its owner (here, clients of ROS).
-        refusal: reason why it cannot be used, for people.
+        goal_id: the client's id of the goal. If empty, the server chooses an id.
+        stamp_ns: the client's time stamp, nanoseconds of ROS time. 0 means now.
+        base_in_map: goal pose of the base. None if it cannot be used.
+        number: its `Goal.id` in the simulation. It is unique among the goals of the owner, here clients of ROS.
+        refusal: reason, for people, why the pose cannot be used.
     """
 
     robot: int
@@ -74,13 +74,13 @@ class GoalRequest:
 
 @dataclass(frozen=True, slots=True)
 class CancelRequest:
-    """A client's cancel request to a robot's action server move_base.
+    """Cancel request of a client to a robot's action server move_base.
 
     Attributes:
         robot: the robot.
-        goal_id: the goal to cancel; empty if no single goal is named.
-        stamp_ns: cancels all goals up to this time stamp, nanoseconds of ROS time; 0 without a goal_id cancels all
-            goals.
+        goal_id: id of the goal to cancel. Empty if the request is not for a single goal.
+        stamp_ns: all goals up to this time stamp are cancelled, nanoseconds of ROS time. 0 without a goal_id cancels
+            all goals.
     """
 
     robot: int
@@ -90,7 +90,7 @@ class CancelRequest:
 
 @dataclass(frozen=True, slots=True)
 class SimpleGoal:
-    """A goal that a person set on the map (rviz: 2D Nav Goal), with its owner; other attributes as in `GoalRequest`."""
+    """Goal that a person set on the map (rviz: 2D Nav Goal). For its attributes, see `GoalRequest`."""
 
     robot: int
     base_in_map: Pose2 | None
@@ -101,7 +101,7 @@ class SimpleGoal:
 
 @dataclass(frozen=True, slots=True)
 class VelocityCommand:
-    """A velocity command of a person or program that drives a robot by hand."""
+    """Velocity command of a person or program that drives a robot by hand."""
 
     robot: int
     twist: Twist
@@ -119,11 +119,11 @@ class LogLevel(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class LogLine:
-    """One line of the log that ROS nodes share (/rosout).
+    """Line of the common log of all ROS nodes (/rosout).
 
     Attributes:
         level: severity.
-        name: the node that logs it, for example "/robot1/move_base".
+        name: name of the node that writes it, for example "/robot1/move_base".
         text: the message.
     """
 
@@ -134,19 +134,19 @@ class LogLine:
 
 @dataclass(frozen=True, slots=True)
 class MavlinkFrame:
-    """A MAVLink frame with the fields of mavros_msgs/Mavlink, without its signature.
+    """MAVLink frame with the fields of mavros_msgs/Mavlink, without its signature.
 
     Attributes:
-        link: frame_id of the message's header; in our recordings, it is the name of the link.
-        magic: first byte of the frame; 254 for MAVLink 1, 253 for MAVLink 2.
+        link: frame_id of the message's header. In our recordings, it is the name of the link.
+        magic: first byte of the frame. It is 254 for MAVLink 1 and 253 for MAVLink 2.
         incompat_flags: flags of MAVLink 2 that a receiver must support.
         compat_flags: flags of MAVLink 2 that a receiver may ignore.
         sequence: the sender's sequence number.
         system: system id of the sender.
         component: component id of the sender.
         message_id: type of the message.
-        checksum: the frame's checksum field, not verified here.
-        payload: at most 255 bytes.
+        checksum: checksum in the frame. It is not verified here.
+        payload: payload of at most 255 bytes.
     """
 
     link: str
@@ -163,11 +163,11 @@ class MavlinkFrame:
 
 @dataclass(frozen=True, slots=True)
 class VehicleFrame:
-    """A MAVLink frame that a robot's vehicle received or sent.
+    """MAVLink frame that a robot's vehicle received or sent.
 
     Attributes:
         robot: the robot.
-        received: True if the vehicle received the frame, False if it sent it.
+        received: True if the vehicle received the frame. False if the vehicle sent it.
         frame: the frame.
     """
 
@@ -182,10 +182,10 @@ class VehicleState:
 
     Attributes:
         robot: the robot.
-        connected: True if its heartbeat is received.
-        armed: True if its motors obey commands.
+        connected: True if its heartbeats arrive.
+        armed: True if its motors are enabled.
         guided: True if it drives to given goals.
-        manual_input: True if it is driven by hand.
+        manual_input: True if a person drives it by hand.
         mode: name of its mode.
         system_status: a code of MAV_STATE.
     """
@@ -200,10 +200,10 @@ class VehicleState:
 
 
 GraphRequest = GoalRequest | CancelRequest | SimpleGoal | VelocityCommand | InitialPose
-"""A request received on a topic of a ROS graph."""
+"""Request that was received on a topic of a ROS graph."""
 
 VehicleRecord = VehicleFrame | VehicleState
-"""A record that exists only for robots with a MAVLink vehicle."""
+"""Record that only robots with a MAVLink vehicle have."""
 
 Record = (
     GameEvent

@@ -1,4 +1,4 @@
-"""Records of a session and its game, as in thbridge's own message types."""
+"""Records of a session and its game, with the fields of thbridge's own message types."""
 
 from dataclasses import dataclass
 
@@ -8,16 +8,16 @@ MACHINE = ("architecture", "libc", "processor", "processor features", "compiler 
 
 @dataclass(frozen=True, slots=True)
 class SessionRecord:
-    """Everything needed to run a session again; the first record of its bag.
+    """All data that are needed to run a session again. It is the first record of its bag.
 
     Attributes:
-        study: the resolved study file, YAML.
+        study: the resolved study file as YAML.
         seed: random seed, 0 to 2^64 - 1.
-        versions: versions of programs and libraries by name, and properties of the machine by the names in `MACHINE`;
-            older recordings have no properties of the machine.
-        program: the program that was run: "play", or "simr" at a server of another process.
-        roles: roles that ran inside it, in addition to the keeper.
-        participant: the participant inside it, for example "person" or "suggestion"; empty if there was none.
+        versions: versions of programs and libraries by name, and properties of the machine by the names in `MACHINE`.
+            Older recordings have no properties of the machine.
+        program: name of the program: "play", or "simr" if the server was another process.
+        roles: roles that ran in this program, in addition to the keeper.
+        participant: the participant in this program, for example "person" or "suggestion". Empty if there was none.
     """
 
     study: str
@@ -30,13 +30,13 @@ class SessionRecord:
 
 @dataclass(frozen=True, slots=True)
 class GameEvent:
-    """An event of the game.
+    """Event of the game.
 
     Attributes:
         kind: one word, for example "arrived".
-        robot: the robot it concerns, or None.
-        room: the room it concerns, or None.
-        json: the whole event.
+        robot: robot of the event, or None.
+        room: room of the event, or None.
+        json: the complete event as JSON.
     """
 
     kind: str
@@ -47,13 +47,13 @@ class GameEvent:
 
 @dataclass(frozen=True, slots=True)
 class ScoreRecord:
-    """Score, rooms and energy of a game; recorded at every change.
+    """Score, rooms and energy of a game. It is recorded at every change.
 
     Attributes:
         score: points so far.
-        visited: number of rooms visited.
+        visited: number of visited rooms.
         rooms: number of rooms.
-        energy: the energy left of each robot, in the game's units.
+        energy: remaining energy of each robot, in the game's units.
     """
 
     score: int
@@ -64,17 +64,18 @@ class ScoreRecord:
 
 @dataclass(frozen=True, slots=True)
 class UtteranceRecord:
-    """One utterance of a dialogue.
+    """Utterance of a dialogue.
 
     Attributes:
         dialogue: number of the dialogue.
         speaker: "robot" or "human".
-        robot: the robot that speaks or is addressed.
-        room: the room it is about, or None.
-        scenario: for example "select-room".
+        robot: the robot that speaks, or to which the participant speaks.
+        room: room that the utterance is about, or None.
+        scenario: scenario of the dialogue, for example "select-room".
         text: the sentence.
-        move: the dialogue move that the sentence makes, for example "continue".
-        author: who chose it: "robot" (its strategy), "person", or "wizard" (a person who speaks for the robot).
+        move: dialogue move of the sentence, for example "continue".
+        author: party that chose the sentence: "robot" (its strategy), "person", or "wizard" (a person who speaks for
+            the robot).
     """
 
     dialogue: int
@@ -89,25 +90,26 @@ class UtteranceRecord:
 
 @dataclass(frozen=True, slots=True)
 class DialogueMoveRecord:
-    """One move in a dialogue game, in sessions where robots argue.
+    """Move in a dialogue game, in sessions where robots argue.
 
     Attributes:
-        talk: number of the dialogue of utterances that it belongs to.
-        dialogue: number of the dialogue game, from 1, unique among those of its robot.
-        parent: number of the game that waits for this one, or None.
+        talk: number of the dialogue of utterances that contains it.
+        dialogue: number of the dialogue game, from 1. It is unique among the dialogue games of its robot.
+        parent: number of the game that waits for the end of this game, or None.
         index: position of the move in its game, from 0.
-        robot: the robot that speaks or is addressed.
+        robot: the robot that speaks, or to which the participant speaks.
         speaker: "robot" or "human".
-        author: as in `UtteranceRecord`.
+        author: see `UtteranceRecord`.
         game: name of the game, for example "persuasion".
-        locution: for example "challenge".
-        content: what it is about, written as in Sklar and Azhar (2015).
-        before: state of the game in which it was made.
-        after: state, or end, after it.
-        is_booked: True if it followed automatically from the move before it.
-        text: the sentence; empty for a move that followed automatically.
-        heard: sentence of the move that the robot understood instead; empty if the robot understood the move correctly.
-        fault: why the robot's own strategy chose the move after the study's strategy failed; empty if it did not fail.
+        locution: type of the move, for example "challenge".
+        content: content of the move, in the notation of Sklar and Azhar (2015).
+        before: state of the game before the move.
+        after: state or end of the game after the move.
+        is_booked: True if it followed automatically from the previous move.
+        text: the sentence. Empty for a move that followed automatically.
+        heard: sentence of the move that the robot understood instead. Empty if it understood the move correctly.
+        fault: failure of the study's strategy, after which the robot's own strategy chose the move. Empty without a
+            failure.
     """
 
     talk: int
@@ -130,7 +132,7 @@ class DialogueMoveRecord:
 
 @dataclass(frozen=True, slots=True)
 class DialogueStateRecord:
-    """Beliefs and arguments of a robot that argues; recorded at every change.
+    """Beliefs and arguments of a robot that argues. It is recorded at every change.
 
     Attributes:
         talk: number of the dialogue of utterances.
@@ -145,10 +147,10 @@ class DialogueStateRecord:
 
 @dataclass(frozen=True, slots=True)
 class HeldTurns:
-    """Robots' turns that wait for the wizard, a person who speaks for them; recorded at every change.
+    """Robots' turns that wait for the wizard, a person who speaks for the robots. It is recorded at every change.
 
     Attributes:
-        json: all waiting turns.
+        json: all waiting turns as JSON.
     """
 
     json: str
@@ -156,13 +158,13 @@ class HeldTurns:
 
 @dataclass(frozen=True, slots=True)
 class InputRecord:
-    """An input that a session received from outside, unchanged; recorded before its effects.
+    """Unchanged input that a session received from outside. It is recorded before its effects.
 
     Attributes:
         kind: one word, for example "received" or "asked".
-        sender: program, connection or window that sent it; empty for the clock.
-        line: the input as one line for people.
-        json: the whole input.
+        sender: program, connection or window that sent it. Empty for the clock.
+        line: description of the input for people, in one line.
+        json: the complete input as JSON.
     """
 
     kind: str

@@ -1,4 +1,4 @@
-"""Decoder of the message type Session, with which a summary of a bag needs no module of the simulator."""
+"""Decoder of the message type Session. With it, a summary of a bag needs no module of the simulator."""
 
 from thbridge.json_text import json_of
 from thbridge.ros.messages.cursor import UINT32, UINT64, Cursor

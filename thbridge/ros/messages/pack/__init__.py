@@ -1,10 +1,10 @@
-"""Values of the simulation as bytes of ROS 1 messages.
+"""Conversion of the simulation's values to bytes of ROS 1 messages.
 
-The bytes are written directly in the wire format: little-endian, fields in order, strings and lists with a 32-bit
-length before them (roscpp_serialization). Ten robots publish 1,900 messages per second; message objects would be too
+The bytes are written directly in the wire format (roscpp_serialization): fields are in order and little-endian, and a
+32-bit length is before strings and lists. Ten robots publish 1,900 messages per second, so message objects would be too
 slow.
 
-The `seq` of every header is the tick: a gap means that no message was due. Poses are planar: z, roll and pitch are 0.
+The `seq` of every header is the tick. A gap means that no message was due. Poses are planar: z, roll and pitch are 0.
 """
 
 from thbridge.ros.messages.pack.actions import (

@@ -19,23 +19,23 @@ _FLOAT64 = Struct("<d")
 
 
 def string(text: str) -> bytes:
-    """Encode a string field; its bytes are also a complete std_msgs/String."""
+    """Encode a string field. Its bytes are also a complete std_msgs/String."""
     data = text.encode()
     return UINT32.pack(len(data)) + data
 
 
 def float64(value: float) -> bytes:
-    """Encode a float64 field; its bytes are also a complete std_msgs/Float64."""
+    """Encode a float64 field. Its bytes are also a complete std_msgs/Float64."""
     return _FLOAT64.pack(value)
 
 
 def boolean(value: bool) -> bytes:
-    """Encode a bool field; its bytes are also a complete std_msgs/Bool."""
+    """Encode a bool field. Its bytes are also a complete std_msgs/Bool."""
     return b"\1" if value else b"\0"
 
 
 name = lru_cache(maxsize=1024)(string)
-"""String field with the name of a frame, which every message repeats, or of a part of a robot; cached."""
+"""Encoder of names of frames and of parts of robots, with a cache, because messages repeat these names."""
 
 
 def stamp(nanoseconds: int) -> bytes:
@@ -45,7 +45,7 @@ def stamp(nanoseconds: int) -> bytes:
 
 @lru_cache(maxsize=1024)
 def frame_names(frame: str, child_frame: str) -> bytes:
-    """Encode the names of two frames, one after the other, cached."""
+    """Encode the names of two frames, one after the other, with a cache."""
     return string(frame) + string(child_frame)
 
 
@@ -53,7 +53,7 @@ def frame_names(frame: str, child_frame: str) -> bytes:
 def head(tick: int) -> bytes:
     """Encode a header without its frame.
 
-    Ticks counted from 1970 (real robots) do not fit into `seq`, so `seq` wraps around.
+    `seq` has 32 bits. Ticks of real robots count from 1970 and do not fit, so `seq` starts again at 0.
     """
     return _HEAD.pack(tick & 0xFFFFFFFF, *divmod(stamp_ns(tick), 1_000_000_000))
 
@@ -77,7 +77,7 @@ def pose_rows(poses: FloatArray) -> FloatArray:
 
 
 def fill_poses(rows: FloatArray, poses: FloatArray) -> None:
-    """Write (n, 3) poses into the first 7 columns of (n, m) rows, which must be 0 there."""
+    """Write (n, 3) poses to the first 7 columns of (n, m) rows. These columns must be 0."""
     rows[:, :2] = poses[:, :2]
     rows[:, 6] = poses[:, 2]
     _kernels().turn_headings(rows)
@@ -85,14 +85,14 @@ def fill_poses(rows: FloatArray, poses: FloatArray) -> None:
 
 @cache
 def _kernels() -> ModuleType:
-    """Import the compiler at the first call, because windows also pack messages, but never poses."""
+    """Import the compiler at the first call. Windows also pack messages but no poses, and so never import it."""
     from thbridge.ros.messages.pack import kernels  # noqa: PLC0415
 
     return kernels
 
 
 def all_pose_fields(poses: FloatArray) -> list[bytes]:
-    """Return `pose_fields` of each of (n, 3) poses, at much lower cost than one by one."""
+    """Return `pose_fields` of each of (n, 3) poses. This is much faster than single calls."""
     return pieces(pose_rows(poses))
 
 

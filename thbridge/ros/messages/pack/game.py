@@ -43,7 +43,7 @@ def session(tick: int, record: SessionRecord) -> bytes:
 
 
 def game_event(tick: int, record: GameEvent) -> bytes:
-    """Encode thbridge_msgs/GameEvent; robot 0 and room -1 mean none."""
+    """Encode thbridge_msgs/GameEvent. Robot 0 means no robot, and room -1 means no room."""
     numbers = _GAME_EVENT.pack(_robot(record.robot), _room(record.room))
     return header(tick) + string(record.kind) + numbers + string(record.json)
 
@@ -56,7 +56,7 @@ def score(tick: int, record: ScoreRecord) -> bytes:
 
 
 def utterance(tick: int, record: UtteranceRecord) -> bytes:
-    """Encode thbridge_msgs/Utterance; room -1 means none."""
+    """Encode thbridge_msgs/Utterance. Room -1 means no room."""
     return b"".join(
         (
             header(tick),
@@ -72,7 +72,7 @@ def utterance(tick: int, record: UtteranceRecord) -> bytes:
 
 
 def dialogue_move(tick: int, record: DialogueMoveRecord) -> bytes:
-    """Encode thbridge_msgs/DialogueMove; parent 0 means none."""
+    """Encode thbridge_msgs/DialogueMove. Parent 0 means no parent."""
     numbers = (record.talk, record.dialogue, record.parent or 0, record.index, number_of(record.robot))
     before = (record.speaker, record.author, record.game, record.locution, record.content, record.before, record.after)
     return b"".join(

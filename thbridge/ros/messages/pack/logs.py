@@ -23,10 +23,10 @@ class DiagnosticStatus(NamedTuple):
 
     Attributes:
         level: severity.
-        name: the part, for example "robot1: energy".
-        message: its state, in a word or two.
-        hardware_id: the robot's name.
-        values: measured values, as text.
+        name: name of the part, for example "robot1: energy".
+        message: its state in one or two words.
+        hardware_id: name of the robot.
+        values: measured values as text, by name.
     """
 
     level: DiagnosticLevel
@@ -42,7 +42,7 @@ def clock(tick: int) -> bytes:
 
 
 def log(tick: int, line: LogLine) -> bytes:
-    """Encode rosgraph_msgs/Log; file, function, line and topics of the node are empty."""
+    """Encode rosgraph_msgs/Log. The fields file, function, line and topics are empty."""
     return b"".join(
         (
             header(tick),

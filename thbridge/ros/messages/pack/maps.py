@@ -1,4 +1,4 @@
-"""Maps, costmaps, and the outlines of bodies on them."""
+"""Encoders of maps, costmaps, outlines of bodies and names of rooms."""
 
 from collections.abc import Iterable
 from struct import Struct
@@ -23,16 +23,17 @@ _TEXT = 9
 """Codes of visualization_msgs/Marker."""
 _LINE_WIDTH, _TEXT_HEIGHT = 0.05, 0.5
 _LINE_COLOUR, _TEXT_COLOUR = (0.9, 0.4, 0.0, 1.0), (0.2, 0.2, 0.2, 1.0)
-"""Sizes in meters; colors as red, green, blue, opacity."""
+"""Sizes in meters, and colors as red, green, blue and opacity."""
 
 
 class RoomLabel(NamedTuple):
-    """A room's name on the map.
+    """Name of a room on the map.
 
     Attributes:
-        room: its number for people.
+        room: number of the room for people.
         name: its name for people.
-        x: x of its position, meters; y is in the same unit.
+        x: x of the position of the name, meters.
+        y: y of this position.
     """
 
     room: int
@@ -42,7 +43,7 @@ class RoomLabel(NamedTuple):
 
 
 def map_meta_data(tick: int, grid: OccupancyGrid) -> bytes:
-    """Encode nav_msgs/MapMetaData; the map counts as loaded at this tick."""
+    """Encode nav_msgs/MapMetaData. The map counts as loaded at this tick."""
     return _meta_data(tick, grid.resolution, grid.cols, grid.rows, grid.origin)
 
 
@@ -64,7 +65,7 @@ def occupancy_grid(tick: int, frame: str, grid: OccupancyGrid) -> bytes:
 
 
 def _occupancy_of_costs() -> bytes:
-    """Return the value of nav_msgs/OccupancyGrid for each of the 256 costs of costmap_2d."""
+    """Return a table: the value of nav_msgs/OccupancyGrid for each of costmap_2d's 256 costs."""
     costs = np.arange(256)
     occupancy = 1 + (97 * (costs - 1)) // 251
     occupancy[[0, 253, 254, 255]] = 0, 99, 100, -1
@@ -75,7 +76,7 @@ _OCCUPANCY_OF_COSTS = _occupancy_of_costs()
 
 
 def costmap(frame: str, view: CostmapView) -> bytes:
-    """Encode nav_msgs/OccupancyGrid of a costmap: 0 free, 99 inscribed, 100 lethal, -1 unknown, 1 to 98 between.
+    """Encode nav_msgs/OccupancyGrid of a costmap: 0 free, 1 to 98 other costs, 99 inscribed, 100 lethal, -1 unknown.
 
     Source: ros-planning/navigation, costmap_2d/src/costmap_2d_publisher.cpp.
     """
@@ -91,12 +92,12 @@ def costmap(frame: str, view: CostmapView) -> bytes:
 
 
 def outlines(tick: int, frame: str, bodies: Iterable[tuple[str, FloatArray]]) -> bytes:
-    """Encode visualization_msgs/MarkerArray with the outlines of bodies; it deletes all earlier outlines.
+    """Encode visualization_msgs/MarkerArray with the outlines of bodies. The message deletes all earlier outlines.
 
     Args:
         tick: time stamp of the bodies.
         frame: frame of their corners.
-        bodies: name, and (v, 2) corners in order, meters.
+        bodies: name, and (v, 2) corners in order, meters, of each body.
     """
     parts = [_line(tick, frame, _DELETEALL, 0, "", np.empty((0, 2)))]
     for number, (name, corners) in enumerate(bodies):
@@ -105,19 +106,19 @@ def outlines(tick: int, frame: str, bodies: Iterable[tuple[str, FloatArray]]) ->
 
 
 def room_labels(tick: int, frame: str, labels: Iterable[RoomLabel]) -> bytes:
-    """Encode visualization_msgs/MarkerArray with the names of rooms; the id of each is the room's number."""
+    """Encode visualization_msgs/MarkerArray with the names of rooms. The id of a marker is the room's number."""
     parts = [_text(tick, frame, label) for label in labels]
     return UINT32.pack(len(parts)) + b"".join(parts)
 
 
 def _line(tick: int, frame: str, action: int, number: int, name: str, line: FloatArray) -> bytes:
-    """Encode visualization_msgs/Marker: a line strip; its namespace and text are the body's name."""
+    """Encode visualization_msgs/Marker with a line strip. Its namespace and its text are the body's name."""
     look = (_LINE_WIDTH, 0.0, 0.0, *_LINE_COLOUR)
     return _marker(tick, frame, name, (number, _LINE_STRIP, action), (0.0, 0.0), look, line, name)
 
 
 def _text(tick: int, frame: str, label: RoomLabel) -> bytes:
-    """Encode visualization_msgs/Marker: a text that faces the viewer."""
+    """Encode visualization_msgs/Marker with a text that always faces the viewer."""
     look = (0.0, 0.0, _TEXT_HEIGHT, *_TEXT_COLOUR)
     kind = (label.room, _TEXT, ADD)
     return _marker(tick, frame, "rooms", kind, (label.x, label.y), look, np.empty((0, 2)), label.name)
@@ -133,7 +134,7 @@ def _marker(
     line: FloatArray,
     text: str,
 ) -> bytes:
-    """Encode visualization_msgs/Marker that stays forever.
+    """Encode visualization_msgs/Marker without an end of its display.
 
     Args:
         tick: time stamp.
@@ -155,9 +156,9 @@ def _marker(
             _MARKER.pack(*kind, *place, 0.0, 0.0, 0.0, 0.0, 1.0, *look, *for_ever, unlocked),
             UINT32.pack(len(points)),
             points.astype("<f8", copy=False).tobytes(),
-            none,  # colors of single points
+            none,  # Colors of single points.
             string(text),
-            none,  # mesh
+            none,  # Mesh.
             bytes((0,)),
         )
     )

@@ -1,4 +1,4 @@
-"""Poses, transforms, paths and velocities."""
+"""Encoders of poses, transforms, paths and velocities."""
 
 from collections.abc import Iterable, Sequence
 from struct import Struct
@@ -50,7 +50,7 @@ NO_COVARIANCE = covariance(np.zeros((3, 3)))
 
 
 def transforms(tick: int, entries: Iterable[Transform]) -> bytes:
-    """Encode tf2_msgs/TFMessage with all entries at one time."""
+    """Encode tf2_msgs/TFMessage. All transforms have the same time stamp."""
     beginning = head(tick)
     return stamped_transforms(
         [
@@ -61,7 +61,7 @@ def transforms(tick: int, entries: Iterable[Transform]) -> bytes:
 
 
 def stamped_transforms(entries: Sequence[bytes]) -> bytes:
-    """Encode tf2_msgs/TFMessage; each transform is a header without its frame, `frame_names` and `pose_fields`."""
+    """Encode tf2_msgs/TFMessage. Each entry consists of `head`, `frame_names` and `pose_fields`."""
     return UINT32.pack(len(entries)) + b"".join(entries)
 
 
@@ -74,19 +74,19 @@ def odometry(
     pose_covariance: bytes = NO_COVARIANCE,
     twist_covariance: bytes = NO_COVARIANCE,
 ) -> bytes:
-    """Encode nav_msgs/Odometry: pose of `child_frame` in `frame`, twist in `child_frame`; see `covariance`."""
+    """Encode nav_msgs/Odometry: pose of `child_frame` in `frame`, twist in `child_frame`. See also `covariance`."""
     frames, place = frame_names(frame, child_frame), pose_fields(pose.x, pose.y, pose.theta)
     return b"".join((head(tick), frames, place, pose_covariance, command(twist), twist_covariance))
 
 
 class OdometryRows:
-    """Encoder of nav_msgs/Odometry for many robots at once.
+    """Encoder of nav_msgs/Odometry for many robots together.
 
-    Header and child frame come first and are encoded elsewhere.
+    It does not encode header and child frame, which are the first fields.
 
     Args:
         robots: number of robots.
-        covariance: covariance of poses and of twists, from `covariance`.
+        covariance: covariance of poses and twists, from the function `covariance`.
     """
 
     def __init__(self, robots: int, covariance: bytes) -> None:
@@ -94,7 +94,7 @@ class OdometryRows:
         self._rows[:, 7:43] = self._rows[:, 49:] = np.frombuffer(covariance)
 
     def packed(self, poses: FloatArray, twists: FloatArray) -> list[bytes]:
-        """Return a row for each of (n, 3) poses and (n, 2) twists: m/s forward, rad/s anti-clockwise."""
+        """Return the bytes for each of (n, 3) poses and (n, 2) twists: m/s forward, rad/s anticlockwise."""
         rows = self._rows
         fill_poses(rows, poses)
         rows[:, 43] = twists[:, 0]
@@ -108,7 +108,7 @@ def command(twist: Twist) -> bytes:
 
 
 def pose_with_covariance(tick: int, frame: str, pose: Pose2, planar: FloatArray) -> bytes:
-    """Encode geometry_msgs/PoseWithCovarianceStamped; `planar` is the (3, 3) covariance of x, y, theta."""
+    """Encode geometry_msgs/PoseWithCovarianceStamped. `planar` is the (3, 3) covariance of x, y, theta."""
     return header(tick, frame) + pose_fields(pose.x, pose.y, pose.theta) + covariance(planar)
 
 
@@ -123,12 +123,13 @@ def pose_stamped(tick: int, frame: str, pose: Pose2) -> bytes:
 
 
 def polygon(tick: int, frame: str, corners: Iterable[Sequence[float]]) -> bytes:
-    """Encode geometry_msgs/PolygonStamped of corners x, y."""
+    """Encode geometry_msgs/PolygonStamped. Each corner is x, y."""
     points = [_POINT32.pack(x, y, 0.0) for x, y in corners]
     return header(tick, frame) + UINT32.pack(len(points)) + b"".join(points)
 
 
 def path(tick: int, frame: str, poses: FloatArray) -> bytes:
-    """Encode nav_msgs/Path through (n, 3) poses, all with the same time stamp."""
+    """Encode nav_msgs/Path of (n, 3) poses. All poses have the same time stamp."""
+    # Each pose has its own header. Joining by the header writes it before every pose.
     beginning = header(tick, frame)
     return beginning + beginning.join((UINT32.pack(len(poses)), *all_pose_fields(poses)))

@@ -1,4 +1,4 @@
-"""Sensor messages: laser scan and battery state."""
+"""Encoders of sensor messages: laser scan and battery state."""
 
 import math
 from struct import Struct
@@ -17,7 +17,7 @@ def laser_scan(scan: Scan, frame: str, period: float) -> bytes:
     """Encode sensor_msgs/LaserScan without intensities.
 
     Args:
-        scan: a scan with all beams measured at the same time.
+        scan: a scan. All its beams are measured at the same time.
         frame: the laser's frame.
         period: seconds between two scans.
     """
@@ -37,11 +37,11 @@ def laser_scan(scan: Scan, frame: str, period: float) -> bytes:
 
 
 def battery_state(battery: Battery, robot: str) -> bytes:
-    """Encode sensor_msgs/BatteryState; charge and capacity are the game's energy; values not measured are NaN.
+    """Encode sensor_msgs/BatteryState. Charge and capacity are the energy of the game. Other values are NaN.
 
     Args:
-        battery: the charge may be negative, the capacity is positive.
-        robot: the serial number to write.
+        battery: battery. Its charge may be negative, and its capacity is positive.
+        robot: name of the robot, which is written as serial number.
     """
     share = battery.charge / battery.capacity
     measured = (math.nan, math.nan, math.nan, battery.charge, battery.capacity, battery.capacity, share)

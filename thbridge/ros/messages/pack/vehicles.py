@@ -1,4 +1,4 @@
-"""Message types of mavros for robots that are MAVLink vehicles."""
+"""Encoders of mavros' messages for robots that are MAVLink vehicles."""
 
 from struct import Struct
 
@@ -12,7 +12,7 @@ _WORD = 8
 
 
 def mavlink(tick: int, frame: MavlinkFrame) -> bytes:
-    """Encode mavros_msgs/Mavlink; the payload is in 64-bit words, the last one filled with zeros."""
+    """Encode mavros_msgs/Mavlink. The payload consists of 64-bit words, and the last word is filled with zeros."""
     size = len(frame.payload)
     words = -(-size // _WORD)
     numbers = _FRAME.pack(

@@ -1,4 +1,4 @@
-"""Bytes of ROS 1 messages as values, for reports, replays and real robots; bags may be from any program.
+"""Conversion of bytes of ROS 1 messages to values, for reports, replays and real robots. Any program may write bags.
 
 Poses are reduced to the plane: x, y, yaw. Every function raises ValueError if the bytes are not a message of its type.
 """

@@ -10,7 +10,7 @@ from thbridge.ros.messages.unpack.poses import read_pose
 
 @dataclass(frozen=True, slots=True)
 class MoveBaseGoal:
-    """move_base_msgs/MoveBaseActionGoal: the goal's id and its pose in `frame`."""
+    """move_base_msgs/MoveBaseActionGoal: id of the goal, and its pose in `frame`."""
 
     goal_id: str
     frame: str
@@ -19,7 +19,7 @@ class MoveBaseGoal:
 
 @dataclass(frozen=True, slots=True)
 class MoveBaseResult:
-    """move_base_msgs/MoveBaseActionResult: the goal's id, its status in actionlib's codes, and the reason."""
+    """move_base_msgs/MoveBaseActionResult: id of the goal, its status as a code of actionlib, and the reason."""
 
     goal_id: str
     status: int
@@ -60,7 +60,7 @@ def goal_status_array(data: bytes) -> list[GoalStatus]:
 
 
 def move_base_feedback(data: bytes) -> tuple[GoalStatus, str, Pose2]:
-    """Decode move_base_msgs/MoveBaseActionFeedback: the goal, and the base's pose with its frame."""
+    """Decode move_base_msgs/MoveBaseActionFeedback to the status of the goal, the frame, and the base's pose in it."""
     cursor = Cursor.behind_header(data)
     status = _status(cursor)
     _, frame = cursor.header()

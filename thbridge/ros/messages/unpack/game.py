@@ -31,7 +31,7 @@ def score(data: bytes) -> ScoreRecord:
 
 
 def utterance(data: bytes) -> UtteranceRecord:
-    """Decode thbridge_msgs/Utterance; recordings from before there were wizards have no author."""
+    """Decode thbridge_msgs/Utterance. Recordings of releases without wizards have no author."""
     cursor = Cursor.behind_header(data)
     dialogue, speaker = cursor.integer(INT64), cursor.string()
     robot, room = index_of(cursor.integer(INT32)), _room(cursor.integer(INT32))
@@ -41,7 +41,7 @@ def utterance(data: bytes) -> UtteranceRecord:
 
 
 def dialogue_move(data: bytes) -> DialogueMoveRecord:
-    """Decode thbridge_msgs/DialogueMove; older recordings have no fault."""
+    """Decode thbridge_msgs/DialogueMove. Older recordings have no fault."""
     cursor = Cursor.behind_header(data)
     talk = cursor.integer(INT64)
     dialogue, parent, index, robot = (cursor.integer(INT32) for _ in range(4))

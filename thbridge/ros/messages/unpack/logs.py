@@ -13,7 +13,7 @@ def string(data: bytes) -> str:
 
 
 def log(data: bytes) -> LogLine:
-    """Decode rosgraph_msgs/Log; a level unknown to ROS counts as an error."""
+    """Decode rosgraph_msgs/Log. A level that ROS does not have counts as an error."""
     cursor = Cursor.behind_header(data)
     level = cursor.integer(UINT8)
     known = LogLevel(level) if level in _LOG_LEVELS else LogLevel.ERROR
@@ -21,7 +21,7 @@ def log(data: bytes) -> LogLine:
 
 
 def diagnostic_array(data: bytes) -> list[DiagnosticStatus]:
-    """Decode diagnostic_msgs/DiagnosticArray; a level unknown to ROS counts as an error."""
+    """Decode diagnostic_msgs/DiagnosticArray. A level that ROS does not have counts as an error."""
     cursor = Cursor.behind_header(data)
     found = []
     for _ in range(cursor.integer(UINT32)):

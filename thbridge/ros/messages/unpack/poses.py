@@ -1,4 +1,4 @@
-"""geometry_msgs/Pose, reduced to the plane."""
+"""Decoder of geometry_msgs/Pose, reduced to the plane."""
 
 import math
 
@@ -8,7 +8,7 @@ from thbridge.ros.messages.cursor import Cursor
 
 
 def read_pose(cursor: Cursor) -> Pose2:
-    """Read a pose, seen from above; its yaw is NaN if its quaternion contains NaN."""
+    """Read a pose, seen from above. If its quaternion contains NaN, its yaw is NaN."""
     x, y, _, qx, qy, qz, qw = cursor.spatial_pose()
     yaw = elementary.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
     return Pose2(x, y, yaw if yaw < math.pi else -math.pi)

@@ -1,4 +1,4 @@
-"""Messages of robots: odometry, poses, transforms, scans, maps, paths."""
+"""Decoders of robots' messages: odometry, poses, transforms, scans, maps, paths."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ _POSE_STAMPED = _HEAD + 7 * 8
 _PLANAR = (0, 1, 5)
 """Indices of x, y and yaw in ROS's covariances."""
 _MARKER_REST = 3 * 8 + 4 * 4 + 2 * 4 + 1
-"""Number of bytes of a marker's fields scale, color, lifetime and frame_locked."""
+"""Number of bytes of the fields scale, color, lifetime and frame_locked of a marker."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class PoseInFrame:
         stamp_ns: time stamp of the pose.
         frame: the frame of the pose.
         pose: the pose in the plane.
-        covariance: (3, 3) of x, y, yaw; NaN in a PoseStamped.
+        covariance: (3, 3) covariance of x, y, yaw. NaN for a PoseStamped.
     """
 
     stamp_ns: int
@@ -58,7 +58,7 @@ class PoseInFrame:
 
 @dataclass(frozen=True, slots=True)
 class BatteryCharge:
-    """sensor_msgs/BatteryState: charge left, and its fraction of the capacity; NaN if not measured."""
+    """sensor_msgs/BatteryState: charge, and its fraction of the capacity. Values that are not measured are NaN."""
 
     charge: float
     percentage: float
@@ -85,8 +85,8 @@ class LaserScan:
     """sensor_msgs/LaserScan without the times between beams and without intensities.
 
     Attributes:
-        frame: the laser's frame; beam i points along `angle_min + i * angle_increment` in its x-y plane.
-        ranges: (n,) meters, as the driver wrote them.
+        frame: frame of the laser. Beam i has the angle `angle_min + i * angle_increment` in its x-y plane.
+        ranges: (n,) meters, unchanged.
     """
 
     stamp_ns: int
@@ -119,7 +119,7 @@ def _twist(cursor: Cursor) -> Twist:
 
 
 def transforms(data: bytes) -> list[tuple[int, Transform]]:
-    """Decode tf2_msgs/TFMessage (and its predecessor tf/tfMessage): each transform with its time stamp, nanoseconds."""
+    """Decode tf2_msgs/TFMessage or its predecessor tf/tfMessage to time stamps in nanoseconds and transforms."""
     cursor = Cursor(data)
     entries = []
     for _ in range(cursor.integer(UINT32)):
@@ -129,7 +129,7 @@ def transforms(data: bytes) -> list[tuple[int, Transform]]:
 
 
 def transform_pieces(data: bytes) -> list[tuple[str, bytes]]:
-    """Decode tf2_msgs/TFMessage: the parent frame of each transform, and its bytes."""
+    """Decode tf2_msgs/TFMessage to the parent frame and the bytes of each transform."""
     cursor = Cursor(data)
     pieces = []
     for _ in range(cursor.integer(UINT32)):
@@ -171,20 +171,20 @@ def pose_with_covariance(data: bytes) -> PoseInFrame:
 
 
 def pose_array(data: bytes) -> FloatArray:
-    """Decode geometry_msgs/PoseArray: (n, 3) x, y, yaw, in its frame."""
+    """Decode geometry_msgs/PoseArray to (n, 3) x, y, yaw in the frame of the message."""
     cursor = Cursor.behind_header(data)
     return _planar(cursor.reals(7 * cursor.integer(UINT32)).reshape(-1, 7))
 
 
 def polygon(data: bytes) -> FloatArray:
-    """Decode geometry_msgs/PolygonStamped: (v, 2) corners, in its frame."""
+    """Decode geometry_msgs/PolygonStamped to (v, 2) corners in the frame of the message."""
     cursor = Cursor.behind_header(data)
     points = np.frombuffer(cursor.take(3 * FLOAT32.size * cursor.integer(UINT32)), dtype="<f4").reshape(-1, 3)
     return points[:, :2].astype(np.float64)
 
 
 def frame_of(data: bytes) -> str:
-    """Return the frame in the header of a message; the header must be the first field."""
+    """Return the frame in the header of a message. The header must be the first field."""
     return Cursor(data).header()[1]
 
 
@@ -201,32 +201,32 @@ def occupancy_grid(data: bytes) -> OccupancyGrid:
 
 
 def read_grid(cursor: Cursor) -> OccupancyGrid:
-    """Read the nav_msgs/OccupancyGrid that begins here."""
+    """Read a nav_msgs/OccupancyGrid."""
     cursor.header()
     cursor.stamp()
-    resolution = round(cursor.real(), 6)  # as float32, 0.05 is not exact, and positions depend on it
+    resolution = round(cursor.real(), 6)  # 0.05 is not exact in float32, but positions need it.
     cols, rows = cursor.integer(UINT32), cursor.integer(UINT32)
     origin = read_pose(cursor)
     if not is_plausible(origin.x, origin.y, origin.theta, resolution):
-        raise ValueError(f"a map of cells of {resolution} m lies at {origin.x}, {origin.y}, {origin.theta}")
+        raise ValueError(f"a map with cells of {resolution} m has its origin at {origin.x}, {origin.y}, {origin.theta}")
     cells: NDArray[np.int8] = np.frombuffer(cursor.take(cursor.integer(UINT32)), dtype=np.int8)
     if cells.size != rows * cols:
-        raise ValueError(f"a map of {rows} x {cols} cells has {cells.size} of them")
+        raise ValueError(f"a map of {rows} x {cols} cells contains {cells.size} values")
     return OccupancyGrid(cells.reshape(rows, cols), resolution, origin)
 
 
 def outlines(data: bytes) -> list[tuple[str, FloatArray]]:
-    """Decode visualization_msgs/MarkerArray: namespace and (v, 2) points of added markers that have points."""
+    """Decode visualization_msgs/MarkerArray to namespace and (v, 2) points of each added marker that has points."""
     return [(marker.namespace, marker.points) for marker in _markers(data) if len(marker.points)]
 
 
 def room_labels(data: bytes) -> dict[int, str]:
-    """Decode visualization_msgs/MarkerArray with the names of rooms, by number."""
+    """Decode visualization_msgs/MarkerArray to names of rooms by number."""
     return {marker.number: marker.text for marker in _markers(data)}
 
 
 class _Marker(NamedTuple):
-    """visualization_msgs/Marker that is added: namespace, id, (v, 2) points, text."""
+    """visualization_msgs/Marker with the action ADD: namespace, id, (v, 2) points, text."""
 
     namespace: str
     number: int
@@ -260,9 +260,10 @@ def battery_state(data: bytes) -> BatteryCharge:
 
 
 def path(data: bytes) -> FloatArray:
-    """Decode nav_msgs/Path: (n, 3) x, y, yaw of its poses, in its frame."""
+    """Decode nav_msgs/Path to (n, 3) x, y, yaw in the frame of the message."""
     cursor = Cursor.behind_header(data)
     count = cursor.integer(UINT32)
+    # A forged count must not reserve memory.
     if count * _POSE_STAMPED > len(cursor.remaining()):
         raise ValueError("the message ends too early")
     alike = _poses_alike(cursor.remaining(), count)
@@ -276,7 +277,7 @@ def path(data: bytes) -> FloatArray:
 
 
 def _poses_alike(data: bytes, count: int) -> FloatArray | None:
-    """Return (n, 7) poses of a path, decoded at once, if all frame names have the same length; otherwise None."""
+    """Return (n, 7) poses of a path, decoded together. If names of frames have different lengths, return None."""
     if not count or len(data) < _HEAD:
         return None
     length = int.from_bytes(data[_HEAD - 4 : _HEAD], "little")
@@ -292,7 +293,7 @@ def _poses_alike(data: bytes, count: int) -> FloatArray | None:
 def _planar(rows: FloatArray) -> FloatArray:
     """Return (n, 3) x, y, yaw of (n, 7) positions and quaternions."""
     x, y, z, w = rows[:, 3:].T
-    # Numbers in bags of other programs may have any size. Results that are not finite are fine and need no warning.
+    # Numbers in bags of other programs may have any size. So results may not be finite, and need no warning.
     with np.errstate(over="ignore", invalid="ignore"):
         yaw = elementary_arrays.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     return np.column_stack((rows[:, :2], np.where(yaw < np.pi, yaw, -np.pi)))

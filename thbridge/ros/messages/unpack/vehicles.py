@@ -1,4 +1,4 @@
-"""Message types of mavros for robots that are MAVLink vehicles."""
+"""Decoders of mavros' messages for robots that are MAVLink vehicles."""
 
 from struct import Struct
 
@@ -12,7 +12,7 @@ _MOST_WORDS = 32
 
 
 def mavlink(data: bytes) -> MavlinkFrame:
-    """Decode mavros_msgs/Mavlink without the signature. Raises ValueError also for a damaged frame."""
+    """Decode mavros_msgs/Mavlink without the signature. For a damaged frame, this raises ValueError, too."""
     cursor = Cursor(data)
     _, link = cursor.header()
     numbers: tuple[int, ...] = _NUMBERS.unpack(cursor.take(_NUMBERS.size))
