@@ -17,7 +17,7 @@ from thbridge.ros.messages.types import SESSION
 GAP_PERIODS = 5.0
 GAP_NS = 1_000_000_000
 """A gap is a time without messages that is longer than `GAP_PERIODS` median periods and longer than `GAP_NS`. Latched
-topics have no gaps, because their last message stays valid until the next."""
+topics have no gaps, because their last message stays valid until the next message."""
 REGULAR = 10
 REGULAR_SHARE = 0.5
 """A topic can have gaps only if it has at least `REGULAR` messages. Also, the number of messages times the median period
@@ -102,9 +102,9 @@ class RecordingSummary:
         start_ns: stamp of the first message, nanoseconds; None if there is none.
         end_ns: stamp of the last message, nanoseconds.
         duration: time between the first and the last message, seconds.
-        messages: number of messages, including latched ones that are repeated at the beginning of parts.
+        messages: number of messages, including latched messages that are repeated at the beginning of parts.
         topics: topics, sorted by name.
-        session: data of the session; None if thbridge did not record it.
+        session: data of the session; None if thbridge did not record the bag.
     """
 
     path: Path

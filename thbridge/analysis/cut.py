@@ -77,7 +77,7 @@ def cut(bag: Path, piece: CutRange, out: Path, overwrite: bool = False) -> CutRe
         raise BadFile(
             bag,
             f"{piece.start:g} s is not before {piece.end:g} s",
-            "write a --from that is before --until",
+            "give a --from that is before --until",
             key="--from",
         )
     if piece.start > found.duration:
@@ -101,7 +101,7 @@ def _check_topics(bag: Path, wanted: Collection[str] | None, there: Collection[s
     lacking = sorted(set(wanted or ()) - set(there))
     if lacking:
         problem = f"the bag has no topic {', '.join(lacking)}"
-        raise BadFile(bag, problem, "`thbridge bag info` lists its topics", key="--topics")
+        raise BadFile(bag, problem, "`thbridge bag info` lists the topics", key="--topics")
 
 
 def _copy(

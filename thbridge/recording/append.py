@@ -24,7 +24,7 @@ def append_whole(file: IO[bytes], content: bytes, *, synced: bool) -> None:
         if synced:
             os.fsync(file.fileno())
     except OSError:
-        # If this also fails, readers of the file ignore the incomplete record at its end.
+        # If the removal also fails, readers of the file ignore the incomplete record at its end.
         with contextlib.suppress(OSError):
             file.truncate(before)
             file.seek(before)

@@ -2,7 +2,7 @@
 
 A line is an object. The last two members of the object are `"length"` (bytes of the line without these two members) and
 `"sum"`. The sum has 64 bits: BLAKE2b over the previous sum and the line without its own sum, hexadecimal. For other
-readers it is plain JSON.
+readers, a line is plain JSON.
 """
 
 import re
@@ -12,7 +12,7 @@ _END = re.compile(rb',"length":([0-9]{1,9}),"sum":"([0-9a-f]{16})"\}')
 
 
 class DamagedLine(ValueError):  # noqa: N818 - it is shown as a sentence
-    """A line with a wrong checksum, or without one."""
+    """A line with a wrong checksum, or without a checksum."""
 
 
 def checked(text: str, before: str) -> tuple[bytes, str]:

@@ -1,9 +1,9 @@
 """Digest of a recording's messages: equal for sessions that sent the same messages, even on different machines.
 
 The digest is a SHA-256 over all messages except the session's own record, oldest first. Messages with equal stamps are
-in the order of recording. Each message adds: topic (UTF-8), type (UTF-8), stamp in nanoseconds, data. Before topic,
-type and data, the length in bytes is added. Lengths and stamps are unsigned little-endian integers of 8 bytes.
-Compression, parts, chunks, definitions and publishers do not affect the digest.
+in the order of recording. For each message, the following data are hashed: topic (UTF-8), type (UTF-8), stamp in
+nanoseconds, data. Topic, type and data are preceded by their length in bytes. Lengths and stamps are unsigned
+little-endian integers of 8 bytes. Compression, parts, chunks, definitions and publishers do not affect the digest.
 """
 
 import struct

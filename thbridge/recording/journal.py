@@ -84,10 +84,10 @@ def read_journal(path: Path) -> RecoveredGame:
                 started, state = event, begin(event)
                 continue
             if isinstance(event, GameStarted):
-                raise ValueError("a second game starts in the journal of the first")
+                raise ValueError("a second game starts in the journal of the first game")
             if isinstance(event, DialogueOpened):
                 if not (state.has_robot(event.robot) and state.has_room(event.room)):
-                    raise ValueError(f"this game has no robot {event.robot} or no {event.room}")
+                    raise ValueError(f"robot {event.robot} or {event.room} does not exist in this game")
             elif not isinstance(event, DialogueSaid | KeyUsed):
                 state = apply(state, event)
         except ValueError as error:
@@ -165,7 +165,7 @@ class Journal:
         """Resume the journal of an interrupted game: recover the game, and remove an incomplete last line.
 
         Raises:
-            BadFile: as for `read_journal`; or another program is writing it.
+            BadFile: as for `read_journal`; or another program is writing the journal.
         """
         try:
             file = own_target(path).open("r+b", buffering=0)

@@ -13,7 +13,7 @@ ACTIVE = ".active"
 
 
 _LEAST = 1 << 16
-"""Smallest free disk space with which a recording is started, in bytes."""
+"""Smallest free disk space for starting a recording, in bytes."""
 
 
 def active_of(bag: Path) -> Path:

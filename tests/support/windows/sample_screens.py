@@ -152,7 +152,7 @@ def tile(number: int, rooms: int, *, considered: bool = False, texts: Texts = EN
     state = "visited" if number in (1, 4) else "reserved" if number == 2 else "unvisited"
     key = str(number).zfill(len(str(rooms)))
     can = state == "unvisited" and number != 6
-    hint = f"Costs 13; robot 1 keeps {59 - number}." if can else "Robot 1 has not enough energy."
+    hint = f"Costs 13; robot 1 then has {59 - number} left." if can else "Robot 1 has not enough energy."
     if state != "unvisited":
         hint = "This room was visited." if state == "visited" else "Robot 2 is under way to it."
     found, *shorter = _FOUND.get(number, ("",))

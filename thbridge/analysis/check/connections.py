@@ -77,17 +77,17 @@ def md5_wrong(bag: BagStructure) -> Iterator[Finding]:
         given = md5_of(connection.msgtype, connection.definition) if connection.definition.strip() else None
         if given is not None and connection.md5 not in (given, "*"):
             what = f"the md5 of {connection.msgtype} is {connection.md5}, but the definition gives {given}"
-            remedy = "repair it with `rosrun rosbag fix_msg_defs.py`, or record the topic again"
+            remedy = "repair the bag with `rosrun rosbag fix_msg_defs.py`, or record the topic again"
             yield Finding("md5-wrong", FindingSeverity.ERROR, LIVE, connection.topic, what, remedy)
             continue
         try:
             ours = plain_definition(connection.msgtype).md5
         except KeyError:
             continue
-        # Our own types may change between versions; that does not concern ROS's tools.
+        # The types of thbridge may change between versions; this does not concern ROS's tools.
         if connection.msgtype not in OWN_TYPES and connection.md5 not in (ours, "*") and given is not None:
             what = f"{connection.msgtype} has different fields than in ROS Noetic"
-            remedy = "migrate it with `rosbag fix`"
+            remedy = "migrate the bag with `rosbag fix`"
             tools = bag.tools_of(connection.topic, (BagTool.RVIZ, BagTool.EVO))
             yield Finding("other-release", FindingSeverity.WARNING, tools, connection.topic, what, remedy)
 
@@ -174,7 +174,7 @@ def clock_recorded(bag: BagStructure) -> Iterator[Finding]:
     """Find a recorded /clock: `rosbag play --clock` also publishes /clock, so time jumps between the two."""
     if "/clock" in bag.connections_by_topic():
         what = "this topic is recorded, but `rosbag play --clock` also publishes it"
-        remedy = "play only the other topics, or remove it with `thbridge bag cut --topics`"
+        remedy = "play only the other topics, or remove /clock with `thbridge bag cut --topics`"
         yield Finding("clock-recorded", FindingSeverity.WARNING, LIVE, "/clock", what, remedy)
 
 

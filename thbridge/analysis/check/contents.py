@@ -47,7 +47,7 @@ class MessageSizes:
         """Yield one finding for each topic and fault."""
         for (topic, fault), first, count in self._off.items():
             what = f"messages do not match their definition: {fault}"
-            remedy = "record the topic again, or remove it with `thbridge bag cut --topics`"
+            remedy = "record the topic again, or remove the topic with `thbridge bag cut --topics`"
             tools = bag.tools_of(topic, ALL)
             yield Finding("data-wrong", FindingSeverity.ERROR, tools, topic, what, remedy, first, count)
 
@@ -143,7 +143,7 @@ class FilledCovariances:
             if not self._filled.get(topic, False):
                 self._first_ns.setdefault(topic, message.stamp_ns)
                 self._count[topic] = self._count.get(topic, 0) + 1
-                # In both types, the first covariance is that of the pose.
+                # In both types, the first covariance is the covariance of the pose.
                 self._filled[topic] = message.reading.covariances[:1] == [True]
 
         return check

@@ -1,7 +1,7 @@
 """Reader of the values that rules check, for messages of any type, using the definition in the bag.
 
-Only headers, frames, quaternions and similar values are decoded. The rest is skipped, so that a million messages take
-seconds.
+Only headers, frames, quaternions and similar values are decoded. All other data are skipped, so that a million messages
+take a few seconds.
 """
 
 import math
@@ -72,7 +72,7 @@ class Reading:
 
 
 class _Step(Protocol):
-    """Function that reads or skips fields, given the offset of the first; it returns the offset after the last."""
+    """Function that reads or skips fields, given the offset of the first; returns the offset after the last."""
 
     def __call__(self, data: bytes, at: int, into: Reading) -> int: ...
 

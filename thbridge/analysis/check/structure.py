@@ -9,7 +9,7 @@ HEADER_BYTES = 4096
 ROS_LZ4_FLAGS = 0x64
 """FLG of frames that roslz4 can read: version 1, independent blocks, checksum of the content."""
 OVERLAP_SHARE = 0.25
-CUT = "run `thbridge bag cut` on it, which sorts the messages"
+CUT = "run `thbridge bag cut`, which sorts the messages"
 REINDEX = "run `thbridge bag reindex`"
 
 
@@ -25,7 +25,7 @@ def index_missing(bag: BagStructure) -> Iterator[Finding]:
 
 
 def index_wrong(bag: BagStructure) -> Iterator[Finding]:
-    """Find an index that does not match the chunks: readers miss messages or read wrong ones."""
+    """Find an index that does not match the chunks: readers miss messages or read wrong messages."""
     if bag.header is None or not bag.index:
         return
     if (bag.header.connections, bag.header.chunks) != (bag.indexed_connections, len(bag.index)):
@@ -63,7 +63,7 @@ def header_padding(bag: BagStructure) -> Iterator[Finding]:
             "`rosbag reindex` and appending would overwrite the first chunk"
         )
         yield Finding(
-            "header-padding", FindingSeverity.WARNING, (BagTool.ROSBAG,), None, problem, "run `thbridge bag cut` on it"
+            "header-padding", FindingSeverity.WARNING, (BagTool.ROSBAG,), None, problem, "run `thbridge bag cut` on the bag"
         )
 
 
@@ -108,14 +108,14 @@ def chunks_overlap(bag: BagStructure) -> Iterator[Finding]:
 
 
 def lz4_frames(bag: BagStructure) -> Iterator[Finding]:
-    """Find LZ4 frames that roslz4 cannot decompress: it needs independent blocks and a checksum of all content."""
+    """Find LZ4 frames that roslz4 cannot decompress: roslz4 needs independent blocks and a checksum of all content."""
     other = [known for known in bag.chunks if known.chunk.lz4_flags not in (None, ROS_LZ4_FLAGS)]
     if other:
         problem = (
             f"{len(other)} chunks are LZ4 frames that ROS cannot decompress, first at byte {other[0].chunk.position}"
         )
         tools = (BagTool.ROSBAG, BagTool.RVIZ, BagTool.PLOTJUGGLER)
-        remedy = "run `thbridge bag cut --compression lz4` on it"
+        remedy = "run `thbridge bag cut --compression lz4` on the bag"
         yield Finding("lz4-frames", FindingSeverity.ERROR, tools, None, problem, remedy, other[0].start_ns)
 
 

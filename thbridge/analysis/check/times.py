@@ -173,7 +173,7 @@ class RecordedLate:
 class TrajectoryStamps:
     """Rule for header stamps that are zero, decrease or repeat: evo needs increasing stamps.
 
-    For transforms, only stamps of zero count, because one topic has many frames.
+    For transforms, only stamps of zero count, because one topic contains many frames.
     """
 
     def __init__(self) -> None:
@@ -221,7 +221,7 @@ class TrajectoryStamps:
             concerned = (BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.EVO) if has_frames else tools
             yield Finding("header-zero", FindingSeverity.ERROR, concerned, topic, what, remedy, first, count)
         for topic, first, count in self._back.items():
-            what = "header stamps decrease: evo's check fails, and it matches poses wrongly"
+            what = "header stamps decrease: evo's check fails, and evo matches poses wrongly"
             remedy = "let one publisher use the topic, with one clock"
             yield Finding("header-back", FindingSeverity.ERROR, tools, topic, what, remedy, first, count)
         for topic, first, count in self._again.items():

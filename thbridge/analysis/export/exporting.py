@@ -34,7 +34,7 @@ class ExportSummary:
     Attributes:
         tables: each table by name, with its number of rows.
         frames: frame of a column's values, by table and column.
-        session: session record; None if thbridge did not record it.
+        session: session record; None if thbridge did not record the bag.
         rooms: names of the map's rooms.
         notices: sentences about data that could not be exported.
     """
@@ -131,7 +131,7 @@ class _GameNumbers:
         self._numbers = np.array([0, *(game.number for game in games)], dtype=np.int64)
 
     def of(self, piece: TableRows) -> TableRows:
-        """Return the rows with the column before that of time; unchanged in a recording without games."""
+        """Return the rows with this column before the column of time; unchanged in a recording without games."""
         if not len(self._starts):
             return piece
         table = piece.table
@@ -169,7 +169,7 @@ def session_in(data: bytes) -> SessionRecord | None:
 
 
 def rooms_in(data: bytes) -> RoomNames:
-    """Return the names of rooms in a message; empty if it cannot be read."""
+    """Return the names of rooms in a message; empty if the message cannot be read."""
     try:
         return RoomNames.of(unpack.room_labels(data).items())
     except ValueError:

@@ -26,7 +26,7 @@ def export_bag(
 
     Args:
         bag: bag, or name of a split recording.
-        folder: folder to write; it is created if missing.
+        folder: folder to write; a missing folder is created.
         formats: formats of the tables.
         topics: names of the topics to export. If None, all topics are exported.
         start: start of the export, seconds from the beginning of the recording.

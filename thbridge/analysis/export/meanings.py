@@ -1,6 +1,6 @@
 """Units and meanings of message fields, for ROS's common types and thbridge's types.
 
-Units are those of REP 103 and of the comments in ROS's definitions. Fields of other types have no unit or meaning.
+Units follow REP 103 and the comments in ROS's definitions. Fields of other types have no unit or meaning.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -32,7 +32,7 @@ def _comments_of(text: str) -> Iterator[tuple[str, FieldMeaning]]:
 
 MEANINGS: Mapping[str, Mapping[str, FieldMeaning]] = {
     "std_msgs/Header": {
-        "seq": FieldMeaning("", "sequence number of the message, set by its publisher; often 0"),
+        "seq": FieldMeaning("", "sequence number of the message, set by the publisher; often 0"),
         "stamp": FieldMeaning("", "time of the values; in thbridge's recordings, simulated time that begins at 1 s"),
         "frame_id": FieldMeaning("", "frame of the values"),
     },
@@ -275,7 +275,7 @@ _SUFFIXES = {
 
 
 def unit_of(path: Path) -> str:
-    """Return the unit of the value at the end of a path: that of the nearest field with a unit; "" if there is none."""
+    """Return the unit of the value at the end of a path: the unit of the nearest field with a unit, or ""."""
     for step in reversed(path):
         if (meaning := MEANINGS.get(step.msgtype, {}).get(step.field)) and meaning.unit:
             return meaning.unit

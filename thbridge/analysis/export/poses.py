@@ -1,7 +1,7 @@
 """The table `poses`: true, estimated and odometry poses of all robots at common times.
 
 Poses are kept until the end of the recording (40 bytes each, all but the latest on disk), because the topics of true
-and estimated poses are only known then. After that, memory holds the poses of one robot at a time.
+and estimated poses are only known then. After that, the poses of one robot at a time are in memory.
 """
 
 from collections.abc import Iterator
@@ -39,7 +39,7 @@ _COLUMNS = (
         for kind, meaning in _KINDS
         for value, unit in (("x", "m"), ("y", "m"), ("yaw", "rad"))
     ),
-    Column("error_m", "float64", "m", "distance of the estimated from the true pose"),
+    Column("error_m", "float64", "m", "distance between the estimated and the true pose"),
     Column("error_yaw_rad", "float64", "rad", "angle from the true to the estimated heading"),
 )
 TABLE = Table(

@@ -18,7 +18,7 @@ from thbridge.json_text import json_of
 from thbridge.ros.messages.types import GAME_EVENT
 
 SECONDS = Column("t_s", "float64", "s", "time of recording since the beginning of the recording")
-GAME = Column("game", "int64", "", "number of the game; 0 before the first")
+GAME = Column("game", "int64", "", "number of the game; 0 before the first game")
 ROOM_NAME = Column("room_name", "string", "", "name of the room; empty if it has none")
 RECORDED = Column("recorded_ns", "int64", "ns", "time of recording; in thbridge's recordings, simulated time")
 INDEX = Column("index", "int64", "", "index in its array, from 0")
@@ -29,7 +29,7 @@ HAS_COLUMNS = frozenset({"v", "event", "robot", "room"})
 LONGEST_TABLE = 200
 """Greatest length of a table's name, without the digest of longer names: file names have at most 255 characters."""
 MOST_FRAMES = 3
-"""Greatest number of frames that the dictionary lists for a column; with more, it names the column of the frames."""
+"""Greatest number of frames that the dictionary lists for a column; with more, it names the column with the frames."""
 
 
 def short_name(name: str, longest: int) -> str:

@@ -104,7 +104,7 @@ class StringField:
 
 @dataclass(frozen=True, slots=True)
 class NumberArray:
-    """Array of numbers with variable length; for `kind` uint8 it is bytes."""
+    """Array of numbers with variable length; for `kind` uint8, an array of bytes."""
 
     path: Path
     kind: str

@@ -85,7 +85,7 @@ class GatheredRows:
         return broken
 
     def add(self, data: bytes) -> None:
-        """Append one message. Raise ValueError if the bytes do not match the type; then nothing of them is kept."""
+        """Append one message. Raise ValueError if the bytes do not match the type; then none of these bytes is kept."""
         before = self.count
         try:
             end = self._read(data, 0)

@@ -1,7 +1,7 @@
 """Builder of a report from the messages of a bag: true and estimated paths, energy, game events, utterances.
 
-Only messages are used, so it also works for bags of other robots, and lists missing data. A recording can contain
-several games. Each has a report of its own, because robots, energy and score are reset between games.
+Only messages are used, so reports also work for bags of other robots; they list missing data. A recording can contain
+several games. Each game has a separate report, because robots, energy and score are reset between games.
 """
 
 from collections import defaultdict

@@ -27,8 +27,8 @@ class RecordedGame:
         end: one of `ENDS`.
         moves: number of its moves, without moves that follow automatically.
         challenges: number of challenges in this game, and in games that are paused for this game.
-        gave_in: "robot" or "human", the side that finally accepted what it had challenged, rejected or denied before
-                in the same situation; empty if neither side did.
+        gave_in: "robot" or "human": the side that finally accepted a statement that it had challenged, rejected or
+            denied before, in the same situation; empty if neither side did.
         talk: number of the dialogue (of utterances) that contains this game.
         parent: number of the game that is paused for this game; 0 if there is none.
         topic: topic of the game.
@@ -94,7 +94,7 @@ class DialogueGatherer:
         self._times[move.robot, move.dialogue].append(time)
 
     def take_state(self, state: DialogueStateRecord) -> None:
-        """Add a robot's state of a dialogue. Raise ValueError if it cannot be read."""
+        """Add a robot's state of a dialogue. Raise ValueError if the state cannot be read."""
         games = read_portrait(state.json).games
         for game in games:
             self._ends[state.robot, game.number] = game.end

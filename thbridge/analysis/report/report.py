@@ -1,4 +1,4 @@
-"""Data of a recording, or of one game in it. Times are seconds since its first message."""
+"""Data of a recording, or of one game in it. Times are seconds since the first message."""
 
 import re
 from dataclasses import dataclass, field
@@ -52,7 +52,7 @@ class WayMade:
 
     Attributes:
         start: start time, seconds.
-        end: end time, seconds; the end of the session if it was still making way.
+        end: end time, seconds; the end of the session if the robot was still making way.
         robot: name of the other robot for programs: "robot1".
     """
 
@@ -70,7 +70,7 @@ class Track:
         truth: (n, 4) time, x, y, theta of the true pose in the map.
         estimate: (m, 4) time, x, y, theta of the estimated pose in the map.
         errors: (m, 3) time, distance (m) and absolute angle (rad) between truth and estimate; empty if one is missing.
-        energy: (k, 2) time, energy left, in the game's units, or in percent if the bag has only that.
+        energy: (k, 2) time, energy left, in the game's units, or in percent if the bag has only percentages.
         attempts: drives to goals, in order.
         distance: distance driven, meters: from the truth if known, otherwise the estimate, otherwise odometry.
         odometry: (o, 4) time, x, y, theta in the frame of odometry.
@@ -161,7 +161,8 @@ class Report:
         missing: sentences about missing data, with the reasons.
         game: number of the game; None if no game begins in the messages.
         rooms: names of the map's rooms.
-        begins: seconds from the recording's first message to the beginning of this game, from which its times count.
+        begins: seconds from the recording's first message to the beginning of this game. Times of the game count from
+            its beginning.
         dialogues: argumentation dialogues.
         left_out: sentences about values that no figure can show; they are also in `missing`.
     """

@@ -26,7 +26,7 @@ class RobotMessages:
 
     Attributes:
         handlers: functions by message type, which receive time, topic and bytes of a message, and raise ValueError if
-            it cannot be read.
+            the message cannot be read.
     """
 
     def __init__(self, series: SeriesByTopic, seconds: Callable[[int], float]) -> None:

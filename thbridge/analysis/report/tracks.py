@@ -290,7 +290,7 @@ class _Sources:
         return _Paths(true_path, estimated, relocated, driven, speeds, deviations, faults)
 
     def _truth(self) -> _Taken:
-        """Return its true poses; without rows if there are none."""
+        """Return the robot's true poses; no rows if there are none."""
         if self._named.truth is not None:
             return self._by_name("truth", self._named.truth)
 
@@ -304,7 +304,7 @@ class _Sources:
         return truth
 
     def _odometry_taken(self) -> _Taken:
-        """Return its odometry; without rows if there is none."""
+        """Return the robot's odometry; no rows if there is none."""
         topics = _chosen(self._odometry, lambda topic, series: not is_truth(topic) and not is_map_frame(series.frame))
         edges = _chosen(self._edges, lambda _, series: is_odom_frame(series.frame))
         return self._take("odometry", (topics, (ODOM_FRAME,)), (edges, ()))
@@ -348,7 +348,7 @@ class _Sources:
         }
 
     def _take(self, what: str, *choices: tuple[Mapping[str, PoseSeries], tuple[str, ...]]) -> _Taken:
-        """Return the poses with the most usual name in the first choice that has poses, or no rows without any."""
+        """Return the poses with the most usual name, in the first choice that has poses; otherwise no rows."""
         for candidates, usual in choices:
             if names := usual_first(candidates, usual):
                 others = f"; other topics: {', '.join(names[1:])}" if len(names) > 1 else ""

@@ -121,7 +121,7 @@ _FIGURES: tuple[tuple[str, str, Callable[[Report, FigureStyle], Figure | None]],
     ("Energy", "Energy left of each robot.", energy),
     (
         "Timeline",
-        "Bars: drives to a goal, with its room; pale bars did not reach it. Thin bars below: the robot makes way "
+        "Bars: drives to a goal, with its room; pale bars did not reach the goal. Thin bars below: the robot makes way "
         "for the robot of that color. Diamonds: events of the game. Strokes at the bottom: utterances.",
         timeline,
     ),

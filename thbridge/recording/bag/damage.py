@@ -35,7 +35,7 @@ class TooLargeChunk(ValueError):  # noqa: N818 - it names the fault of a chunk
 
 
 def check_is_bag(path: Path) -> None:
-    """Raise BadFile unless a file begins like a ROS 1 bag.
+    """Raise BadFile if a file does not begin like a ROS 1 bag.
 
     Raises:
         BadFile: the file begins differently, cannot be read, or is still being written (as `NAME.active`).
@@ -58,7 +58,7 @@ def check_is_bag(path: Path) -> None:
 
 @contextmanager
 def damage_as_bad_file(path: Path) -> Iterator[None]:
-    """Convert errors of parser and decompressors in the block to BadFile."""
+    """Convert errors of the parser and the decompressors in the block to BadFile."""
     try:
         yield
     except TooLargeChunk as error:

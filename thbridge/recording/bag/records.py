@@ -1,7 +1,7 @@
 """The records of ROS 1's bag format 2.0, as bytes (wiki.ros.org/Bags/Format/2.0).
 
 This module differs from rosbags' writer in two points on which ROS 1's own tools depend. The first record is padded as
-in ROS, and LZ4 frames are of the only kind that roslz4 can read.
+in ROS, and LZ4 frames have the only format that roslz4 can read.
 """
 
 import bz2

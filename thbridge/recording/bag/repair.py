@@ -47,7 +47,7 @@ def reindex(path: Path) -> RepairResult:
     The result for `NAME.bag` and `NAME.bag.active` is `NAME.bag`, and the old file becomes `NAME.orig.bag`. Every
     complete message is recovered, even in a chunk that is cut off, and after an unreadable record or chunk. A
     connection without a definition gets the known definition with its md5 sum. Otherwise the connection gets the known
-    definition for the name of its type, if the first message fits. The old file stays until the new one is complete.
+    definition for the name of its type, if the first message fits. The old file stays until the new file is complete.
 
     Raises:
         BadFile: the file is not a ROS 1 bag, another file would be overwritten, or the disk is full.
@@ -63,7 +63,7 @@ def reindex(path: Path) -> RepairResult:
     try:
         fresh.unlink(missing_ok=True)
         messages, end_ns, losses = _copy(path, fresh, compression)
-        # BagFile has synced the bytes. A power failure at any step leaves the old file or the complete new one.
+        # BagFile has synced the bytes. A power failure at any step leaves the old or the complete new file.
         if repaired == path:
             with contextlib.suppress(OSError):  # Some file systems have no hard links.
                 backup.hardlink_to(path)
@@ -103,7 +103,7 @@ class _Losses:
     sharing: dict[int, dict[tuple[str, str], int]] = field(default_factory=dict)
 
     def add(self, span: UnreadableSpan) -> None:
-        """Add unreadable bytes as a span. After `MOST_SPANS` spans, they are added to the last span."""
+        """Add unreadable bytes as a span. After `MOST_SPANS` spans, bytes are added to the last span."""
         if span.lost and len(self.spans) < MOST_SPANS:
             self.spans.append(span)
         elif span.lost:
@@ -136,7 +136,7 @@ class _Losses:
 
 
 def _copy(path: Path, fresh: Path, compression: Compression) -> tuple[int, int | None, _Losses]:
-    """Copy the messages. Return their number, the last stamp, and the losses."""
+    """Copy the messages. Return the number of messages, the last stamp, and the losses."""
     count, end_ns, losses = 0, None, _Losses()
     connections: dict[int, BagConnection] = {}
     undefined: set[int] = set()

@@ -58,7 +58,7 @@ class ConvertedRecording:
 
 
 def is_other_recording(path: Path) -> bool:
-    """Return True for a folder of rosbag2, and for a file of its storages MCAP and SQLite."""
+    """Return True for a folder of rosbag2, and for a file in one of rosbag2's formats, MCAP and SQLite."""
     return (path / METADATA).is_file() if path.is_dir() else path.suffix in {MCAP, SQLITE} and path.is_file()
 
 
@@ -144,7 +144,7 @@ def _repack(path: Path, bag: Path) -> None:
     so_far = UnpackedBytes(size_of(path))
     with path.open("rb") as file:
         for schema, channel, message in make_reader(file).iter_messages():
-            so_far.add(len(message.data))  # Counted, because an index can list a chunk several times.
+            so_far.add(len(message.data))  # Bytes are counted, because an index can list a chunk several times.
             if schema is None or channel.message_encoding != MessageEncoding.ROS1:
                 continue
             connection = connections.get(channel.id)

@@ -44,7 +44,7 @@ A message has at least a dozen bytes, and needs about twenty steps in each of th
 def plain_recording(path: Path, work: Path) -> Iterator[Path]:
     """Yield the path of an unpacked recording of ROS 2 or MCAP file: its own path, or the path of a temporary copy.
 
-    Its MCAP files are checked.
+    MCAP files in the recording are checked.
 
     Args:
         path: the file or folder.
@@ -73,8 +73,7 @@ def plain_recording(path: Path, work: Path) -> Iterator[Path]:
 def stored_messages(path: Path, reader: AnyReader, known: list[Connection]) -> Iterator[tuple[Connection, int, bytes]]:
     """Yield the messages of an open reader, with their stamps; messages that are packed one by one are unpacked.
 
-    Raises:
-        TooLargeChunk: the messages are larger than a recording of its size can contain.
+    Raises: TooLargeChunk: the messages are larger than a recording of this size can contain.
     """
     size = size_of(path)
     (opened,) = cast(Sequence[Reader], reader.readers)
@@ -91,7 +90,7 @@ def stored_messages(path: Path, reader: AnyReader, known: list[Connection]) -> I
 
 
 def open_reader(path: Path) -> AnyReader:
-    """Return a reader of a ROS 2 recording, not yet open; open and use it inside `bounded_sqlite`."""
+    """Return a reader of a ROS 2 recording. Open and use the reader inside `bounded_sqlite`."""
     # Older recordings have no definitions; the definitions of Humble fit all types that have not changed.
     return AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
 

@@ -84,7 +84,7 @@ def unpacked(compression: str, packed: bytes, size: int) -> bytes:
 
 
 def unpacked_message(packed: bytes, so_far: UnpackedBytes) -> bytes:
-    """Return the data of a rosbag2 message that is packed with zstd, and count them.
+    """Return the data of a rosbag2 message that is packed with zstd, and count the bytes.
 
     Raises: TooLargeChunk: the unpacked size is above the limit for a packed chunk of this size, or for the file.
         ZstdError: it is damaged.

@@ -28,7 +28,7 @@ FEW = 16
 _CONNECTION = b"\x09\x00\x00\x00conn="
 """Beginning of the field `conn` in an index data record's header, before its value of 4 bytes."""
 _USUAL_HEAD = 55
-"""Bytes of an index data record's header with both lengths, as written by ROS and by us."""
+"""Bytes of an index data record's header with both lengths, as written by ROS and by thbridge."""
 _BYTES_OF_U32 = np.arange(4)
 
 
@@ -57,7 +57,7 @@ class ChunkInfo:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Packed:
-    """Position and size of a chunk's data in its file, their compression, and their size when unpacked."""
+    """Position, size and compression of a chunk's data in the file, and the unpacked size."""
 
     position: int
     size: int
@@ -66,7 +66,7 @@ class _Packed:
 
     @property
     def plain(self) -> bool:
-        """True when it is not compressed."""
+        """True if the data are not compressed."""
         return self.compression == Compression.NONE
 
 
@@ -210,7 +210,7 @@ def _size_of(file: BinaryIO) -> int:
 
 
 def _after_length(data: bytes, at: int) -> int:
-    """Return the end of a field that begins with its length of 4 bytes. Raises ValueError if it is beyond the data."""
+    """Return the end of a field that begins with its length of 4 bytes. Raises ValueError beyond the data."""
     end = at + 4 + int.from_bytes(data[at : at + 4], "little")
     if end > len(data):
         raise ValueError("a record ends beyond its chunk")
@@ -242,6 +242,6 @@ def _index_in(block: bytes, records: int) -> dict[int, bytes] | None:
 
 
 def _lengths_at(octets: NDArray[np.uint8], places: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return (n,) lengths of 4 bytes at these places. Raises IndexError if one is beyond the end."""
+    """Return (n,) lengths of 4 bytes at these places. Raises IndexError if a place is beyond the end."""
     lengths: NDArray[np.int64] = octets[places[:, np.newaxis] + _BYTES_OF_U32].view("<u4")[:, 0].astype(np.int64)
     return lengths

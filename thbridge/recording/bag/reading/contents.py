@@ -41,7 +41,7 @@ class BagContents:
     Attributes:
         path: the file.
         size: bytes.
-        compressions: number of chunks by the name of their compression.
+        compressions: number of chunks, by the name of the compression.
         publishers: the connections, in the order of the index.
     """
 

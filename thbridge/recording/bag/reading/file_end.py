@@ -71,7 +71,7 @@ def read_end(file: BinaryIO, number: int, part: Path, end: FileEnd) -> Iterator[
 
 def _connection(file: BinaryIO) -> BagConnection:
     outer = Header.read(file, RecordType.CONNECTION)
-    inner = Header.read(file)  # The record's data have the form of a header.
+    inner = Header.read(file)  # The data of this record have the format of a header.
     return BagConnection(
         outer.get_uint32("conn"),
         normalize(outer.get_string("topic")),

@@ -87,7 +87,7 @@ def info(path: Path) -> BagInfo:
     Latched messages that are repeated at the beginning of a part count in each part.
 
     Raises:
-        BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
+        BadFile: the file does not exist, is not a ROS 1 bag, or is cut off or damaged.
     """
     parts = [_info_of(part) for part in parts_of(path)]
     topics: dict[str, TopicInfo] = {}
@@ -143,18 +143,18 @@ def recorded(
     Messages with equal stamps come in the order of recording. Only a few chunks are in memory, for recordings of any
     size.
 
-    The parts of a split recording are read as one. A part repeats latched messages at its beginning, so that each part
-    can be played alone. These repetitions are left out. A publisher that is in several parts is represented by one
-    object. A publisher without a complete definition gets the known definition with its md5 sum. Otherwise the
+    The parts of a split recording are read as one recording. A part repeats latched messages at its beginning, so that
+    each part can be played alone. These repetitions are left out. A publisher that is in several parts is represented
+    by one object. A publisher without a complete definition gets the known definition with its md5 sum. Otherwise the
     publisher gets the known definition for the name of its type, if the first message fits.
 
     Args:
         path: the bag, or the name of a split recording.
-        topics: names of the topics to read. If None, all topics are read. Chunks without them are not unpacked.
+        topics: names of the topics to read. If None, all topics are read. Chunks without these topics are not unpacked.
         since_ns: a stamp. From chunks that end before this stamp, only messages that stay valid (see `holds`) are read.
 
     Raises:
-        BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
+        BadFile: the file does not exist, is not a ROS 1 bag, or is cut off or damaged.
     """
     latched: dict[str, bytes] = {}
     known: dict[tuple[str | bool | None, ...], BagConnection] = {}

@@ -39,7 +39,7 @@ class BagHeaderRecord:
         index_pos: offset of the index; 0 if there is none yet.
         connections: number of connections in the index.
         chunks: number of chunks in the index.
-        length: bytes of header and padding, without their two length words; in ROS 1 always 4096.
+        length: bytes of header and padding, without the two length words; in ROS 1 always 4096.
         encryptor: name of the encryption; empty if the bag is not encrypted.
     """
 
@@ -61,8 +61,8 @@ class ConnectionRecord:
         md5: md5 sum of the type.
         definition: definition of the type and of all types in it.
         caller: name of the node, or None if the name was not recorded.
-        latching: the text in the file, normally "0" or "1"; None if it was not recorded.
-        lacks: required fields that are missing; they are empty here.
+        latching: the text in the file, normally "0" or "1"; None if this field was not recorded.
+        lacks: required fields that are missing; these fields are empty here.
     """
 
     number: int
@@ -76,7 +76,7 @@ class ConnectionRecord:
 
     @property
     def latched(self) -> bool:
-        """True when `rosbag play` latches it."""
+        """True if `rosbag play` latches the connection."""
         return self.latching == "1"
 
 
@@ -299,9 +299,9 @@ def _inner(head: bytes, body: bytes) -> ConnectionRecord | MessageRecord:
 
 
 def _usual_message(data: bytes, at: int) -> tuple[MessageRecord, int] | None:
-    """Return a message whose header has a usual form, and its end; None for other forms.
+    """Return a message with a usual header, and the end of the message; None for other headers.
 
-    This makes scans much faster.
+    This fast path makes scans much faster.
     """
     start = at + 4 + _MESSAGE_HEADER + 4
     if start > len(data) or data[at] != _MESSAGE_HEADER:

@@ -24,8 +24,8 @@ NAMELESS = ".new"
 class ChunkFile:
     """A bag that grows by complete chunks. A chunk is written completely or, with an OSError, not at all.
 
-    Each chunk begins with the records of connections that are new to the file. So each connection has a message. For a
-    connection without a message, `rosbag info` may show a negative duration. Memory grows with the chunks, not with the
+    Each chunk begins with the records of connections that are new to the file. So each connection has a message. With a
+    connection without messages, `rosbag info` may show a negative duration. Memory grows with the chunks, not with the
     messages.
 
     Args:
@@ -80,7 +80,7 @@ class ChunkFile:
     def preview(self, chunk: Chunk) -> None:
         """Write a chunk that is still growing; the complete chunk will overwrite it. Raises OSError, like `append`.
 
-        A preview is never compressed, so the part on the disk stays readable while a longer one is written over it.
+        A preview is never compressed, so it stays readable while a longer preview is written over it.
         """
         self._put(_records(self._head(chunk), chunk, Compression.NONE))
 
@@ -115,7 +115,7 @@ class ChunkFile:
         return b"".join(connection_record(connection) for connection in chunk.entries if connection not in self._known)
 
     def _append(self, data: bytes) -> None:
-        """Write data after the kept bytes, and keep the data as well."""
+        """Write data after the kept bytes, and then also keep these data."""
         self._put(data)
         self.size += len(data)
         if self._end > self.size:
@@ -151,7 +151,7 @@ class ChunkFile:
 
 
 def _records(head: bytes, chunk: Chunk, compression: Compression) -> bytes:
-    """Return a chunk with its index data records; without these ROS's `reindex` rejects a last chunk."""
+    """Return a chunk with its index data records; without them, ROS's `reindex` rejects the last chunk of a file."""
     index = (index_record(connection, chunk.moved_entries(connection, len(head))) for connection in chunk.entries)
     return b"".join((*chunk_pieces(head + chunk.data, compression), *index))
 

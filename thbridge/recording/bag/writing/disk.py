@@ -14,7 +14,7 @@ BEHIND_SECONDS = 10.0
 """Delay of the disk, in seconds, after which the recording ends."""
 
 WAITING_BYTES = 2 * 2**20
-"""Bytes waiting for the disk above which the session waits too: the amount that bz2 packs in 0.1 s."""
+"""If more bytes than this wait for the disk, the session waits, too. bz2 packs this number of bytes in 0.1 s."""
 
 CLOSE_SECONDS = 60.0
 """Longest wait for the disk at the end of a recording."""

@@ -74,8 +74,8 @@ class ChunkMaker:
     def chunk(self, records: Sequence[tuple[int, bytes]]) -> bytes:
         """Return a chunk of message records, given with their connection numbers.
 
-        New connections are added before their messages. The chunk's index data follow it, because rosbag's `reindex`
-        needs a record after every chunk.
+        New connections are added before their messages. Index data follow the chunk, because rosbag's `reindex` needs a
+        record after every chunk.
         """
         connections = self._stream.connections
         pieces: list[bytes] = []

@@ -1,4 +1,4 @@
-"""Jobs that may wait for a disk. A separate thread does them in order, so that the session does not wait."""
+"""Jobs that may wait for a disk. A separate thread does these jobs in order, so that the session does not wait."""
 
 import threading
 import time
@@ -21,7 +21,7 @@ class JobQueue(Protocol):
     waiting: int
 
     def submit(self, job: Job, size: int = 0) -> None:
-        """Add a job, which is done now or later; `size` is the number of bytes that it keeps in memory."""
+        """Add a job, which is done now or later; `size` is the number of bytes that the job keeps in memory."""
 
     def oldest_wait(self) -> float:
         """Return the seconds that the oldest pending job has waited; 0 if there is none."""

@@ -192,7 +192,7 @@ class BagWriter:
         if self._first_ns is None:
             self._first_ns = stamp_ns
         elif stamp_ns < self._stamp_ns:
-            raise ValueError(f"a message at {stamp_ns} ns after one at {self._stamp_ns} ns")
+            raise ValueError(f"a message at {stamp_ns} ns after a message at {self._stamp_ns} ns")
         self._stamp_ns = stamp_ns
         period = (stamp_ns - self._first_ns) // self._splitting.duration_ns if self._splitting.duration_ns else 0
         if self._chunks.size and period != self._period:
