@@ -126,7 +126,7 @@ def _named(described: object) -> str | None:
 
 
 def _size(described: object, sizes: Mapping[str, int]) -> int:
-    """Return the minimum size of a field in bytes. A message without fields counts as one byte, because it takes time."""
+    """Return the minimum size of a field in bytes. A message without fields counts as 1, because it takes time."""
     match described:
         case (1, (str(base), _)):
             return _SIZES.get(base, 1)

@@ -3,8 +3,8 @@
 from sim.common.observations import TICKS_PER_SECOND
 
 START_NS = 1_000_000_000
-"""Time stamp of tick 0. It is not 0, because for `rosbag play` a time stamp of 0 means that there is no time yet, and it
-drops the message."""
+"""Time stamp of tick 0. It is not 0: for `rosbag play`, a time stamp of 0 means "no time yet", and it drops the
+message."""
 
 TICK_NS = 1_000_000_000 // TICKS_PER_SECOND
 
