@@ -21,7 +21,7 @@ HUNTS = ((8, 2, 30.0), (12, 2, 60.0), (12, 3, 25.0), (12, 3, 200.0), (12, 4, 45.
 """Number of rooms, number of robots, and energy of each robot."""
 VISIT = 2.0
 LARGE = 30
-"""Number of rooms from which only a tenth of the hunts is planned."""
+"""Least number of rooms with which only a tenth of the hunts is planned."""
 
 
 def value(tours: Sequence[Tour]) -> tuple[int, float]:

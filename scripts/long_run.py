@@ -88,7 +88,7 @@ class Running:
         return self._start(name, sys.executable, script, "companion", name, "--folder", str(self.folder), *words)
 
     def wait(self, name: str, words: str, process: subprocess.Popen[bytes]) -> None:
-        """Wait until a program has printed these words. Raise RuntimeError if it does not."""
+        """Wait until a program has printed these words. Raise RuntimeError if it ends earlier, or after the timeout."""
         path, until = self.folder / f"{name}.txt", time.monotonic() + PATIENCE
         while words not in path.read_text(errors="replace"):
             if process.poll() is not None or time.monotonic() > until:

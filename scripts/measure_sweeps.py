@@ -95,7 +95,7 @@ def cluster(folder: Path) -> Iterator[tuple[str, int, list[int]]]:
 
 
 def play_on_cluster(folder: Path, games: int) -> None:
-    """Play the games on a cluster, and kill a worker when half of them are done."""
+    """Play the games on a cluster, and kill a worker when half of the games are done."""
     root = folder / "dask"
     with cluster(folder) as (address, _, workers):
         words = ("sweep", folder / "design.yaml", "--out", root, "--engine", "dask", "--scheduler", address)

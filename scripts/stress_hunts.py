@@ -63,7 +63,7 @@ PARTICIPANTS: Mapping[str, Callable[[Attitude, BotStrategy], bool]] = {
 }
 """Groups of participants to compare. Attentive participants consider what robots say."""
 MOVED_DISTANCE = 0.05
-"""Distance in meters, and angle in radians, from which a robot has moved."""
+"""Distance in meters, and angle in radians. A robot that moves less counts as standing still."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -289,7 +289,7 @@ def comparison_row(name: str, outcomes: Sequence[Outcome], scripted: Sequence[Ou
 
 
 def play_conditions(pool: Executor, conditions: Sequence[DialogueCondition], seeds: Sequence[int]) -> bool:
-    """Play hunts in several conditions on the same seeds, and print their tables; return True if all went well."""
+    """Play hunts in several conditions on the same seeds, and print their tables; return True if no hunt is faulty."""
     found: dict[DialogueCondition, list[Outcome]] = {}
     print("| condition | hunts | did not end | collisions | exceptions | score | rooms | energy left | replies |")
     print("|---|---|---|---|---|---|---|---|---|")

@@ -197,7 +197,7 @@ PAIRS = (
 """All pairs of colors. Faults in the text of a study also have a tinted ground, which is in `TINTED`."""
 
 TINTED = (("study/pages.py", "text on the line of a fault", "text", "bad", 48 / 255, "panel"),)
-"""Module, text and its color; then the ground: a color, its opacity, and the color below it."""
+"""Texts on tinted grounds: module, text, and its color; then the tint, its opacity, and the color below the tint."""
 
 HEAD = """\
 # Visibility and use of the windows
@@ -206,7 +206,7 @@ For everyone who checks whether people can see and use the windows.
 
 `scripts/write_contrast.py` writes this page from the windows' palettes (`ui/model/shared/theme.py`). Ratios are those
 of WCAG 2.2: level AA requires 4.5 for text (1.4.3), and 3 for edges, signs and curves (1.4.11). Each row shows the
-worst ratio of its pairs; rows with robot colors include all ten. *Shown elsewhere*: nothing depends on the contrast,
+worst ratio of its pairs; rows with robot colors include all ten colors. *Shown elsewhere*: the contrast is not needed,
 because the same information is also shown in another form.
 
 Every function can be used by keyboard, and every part has a name for screen readers. The focus follows the reading

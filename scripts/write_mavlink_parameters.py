@@ -25,11 +25,11 @@ This page is for people who read or change parameters of a robot with a ground s
 It lists the numbers of the study that a ground station may change while the robots drive, by their MAVLink names.
 `scripts/write_mavlink_parameters.py` writes this page.
 
-* The path is that of the study file, below `robot:`. Paths that begin with `world` are at the top level of the file.
+* The column "path" has the key in the study file, below `robot:`. Paths that begin with `world` are at the top level.
   The column "default" has the value that a robot starts with if the study does not set the key.
 * A change affects one robot, takes effect in the next tick, and is recorded, so that a replay repeats it.
 * All values are REAL32. The vehicle sends the nearest REAL32 to the current value. Setting a value that was read
-  changes nothing. A value that is set stands for the shortest decimal number with the same REAL32.
+  changes nothing. A value that a station sets means the shortest decimal number with the same REAL32.
 * *0 or 1* is a switch. A word is sent as its index among the choices, from 0.
 * The file `parameters.json` of each vehicle has the same contents for ground stations; see mavlink-commands.md.
 * A value is refused if it is not a number, has a fraction where only whole numbers are allowed, or is out of range.
@@ -37,7 +37,7 @@ It lists the numbers of the study that a ground station may change while the rob
 
 ## Parameters of the vehicle
 
-These three come before the parameters of the robot, under the names that ArduPilot's rovers use.
+These three parameters come before the parameters of the robot. They have the names that ArduPilot's rovers use.
 
 | name | key of the study | meaning | range |
 |---|---|---|---|

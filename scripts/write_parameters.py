@@ -20,37 +20,39 @@ ROOT = Path(__file__).parents[1]
 HEAD = """\
 # Parameters
 
-For those who tune robots or bring parameter files of ROS.
+For people who tune robots, or who use parameter files of ROS.
 
-Every parameter of a robot's software, under its name in ROS. `scripts/write_parameters.py` writes this page from the
-classes in `sim/parameters`, which also define the study file's reader and its error messages.
+This page lists every parameter of a robot's software, under its name in ROS. `scripts/write_parameters.py` writes the
+page from the classes in `sim/parameters`. These classes also define the study file's reader and its error messages.
 
-* **yes**: has the same effect as in ROS. **live**: also, it may change while the robot runs, as in ROS with
-  dynamic_reconfigure (except the goal tolerances of TrajectoryPlannerROS, which cannot change in ROS). **accepted**:
-  has a meaning only inside ROS; files may contain it, and a message says that it has no effect. **ours**: ROS has no
-  such name.
-* *ROS* is the default that really applies in ROS Noetic: from a node's code or from its `.cfg`, whichever takes
-  precedence there. *Hunts* is the default of a study, if it is different.
+* The column *here*: **yes** means that the parameter has the same effect as in ROS. **live** means that it may also
+  change while the robot runs, as in ROS with dynamic_reconfigure. (The goal tolerances of TrajectoryPlannerROS are
+  live only here, not in ROS.) **accepted** means that the parameter has a meaning only inside ROS. Files may contain
+  it, and a message says that it has no effect. **ours** means that ROS has no parameter of this name.
+* The column *ROS* has the default that applies in ROS Noetic. It comes from the code of a node or from its `.cfg`,
+  depending on which of the two takes precedence in ROS. The column *hunts* has the default of a study, if it is
+  different.
 * ROS files are read unchanged: `thbridge localize --params amcl.yaml`, `thbridge drive --params`, and in a study
-  `ros_parameters: [amcl.yaml, costmap_common_params.yaml, move_base_params.yaml]`. If a launch file loads one into a
-  namespace (`ns="local_costmap"`), add the namespace to its name: `local_costmap:costmap_local.yaml`.
-* **Parameters that ROS files omit have ROS's defaults.** If any of the files is for a node (amcl; or move_base with its
-  costmaps and planners), the node begins with the column *ROS*. Defaults that differ from those of hunts are printed,
-  also by `--json` (`ros_defaults`). `thbridge localize` begins with them even without files. Presets of noise and lines
-  of the study take precedence. Other nodes, and names that ROS does not have, keep the values of hunts; so do
-  parameters that the sections `world` and `robot` of a study omit.
-* Files of ROS 2's Nav2 are read by the same options: amcl, the costmaps, navfn, DWB (as DWAPlannerROS) and its
-  checkers, under their own names and with Nav2's defaults, which are printed. DWB's weights of paths and goals are
-  halved, because DWB uses half the side of a cell for them; a critic that `critics` does not list has weight 0. Without
-  `plugins`, a costmap has the static, obstacle and inflation layers there. Without `track_unknown_space: true`, it
-  treats unknown cells of the map as free. The first goal checker and progress checker are used, also Nav2's default
-  ones (0.25 m and 0.25 rad; 10 s for 0.5 m). Two defaults differ from Nav2, with a message: missing limits of speed and
-  acceleration (0 in Nav2, so that the robot does not move), and heights of obstacles (lasers here scan in one plane).
-  `move_base` replans at its own `planner_frequency`; Nav2's behavior tree replans once a second. Parameters without a
-  counterpart are named in a message and have no effect: other planners (MPPI, Smac), nodes, critics and ranges.
-* Layers and sensors are as in ROS 1, too: without `plugins`, a costmap has the map only with `static_map: true`, and
-  without `observation_sources` it uses no sensor. A costmap that no file mentions keeps the map, laser and robot's
-  body.
+  `ros_parameters: [amcl.yaml, costmap_common_params.yaml, move_base_params.yaml]`. If a launch file loads a file
+  into a namespace (`ns="local_costmap"`), add the namespace to the file name: `local_costmap:costmap_local.yaml`.
+* **Parameters that ROS files omit have ROS's defaults.** If a file is for a node (amcl, or move_base with its costmaps
+  and planners), this node starts with the defaults of the column *ROS*. The program prints defaults that differ from
+  the defaults of hunts, also with `--json` (`ros_defaults`). `thbridge localize` starts with ROS's defaults even
+  without files. Noise presets and keys of the study override these defaults. Other nodes, and parameters that ROS does
+  not have, keep the defaults of hunts. Parameters that the sections `world` and `robot` of a study omit keep them, too.
+* The same options read files of ROS 2's Nav2: amcl, the costmaps, navfn, DWB (as DWAPlannerROS) and DWB's checkers.
+  Their parameters have the names and defaults of Nav2, and the program prints these defaults. DWB's weights of paths
+  and goals are halved, because DWB uses half the side of a cell for them. A critic that `critics` does not list has
+  weight 0. In Nav2's files, a costmap without `plugins` has the static, obstacle and inflation layers. Without
+  `track_unknown_space: true`, this costmap treats unknown cells of the map as free. The program uses the first goal
+  checker and the first progress checker, or else Nav2's default checkers (0.25 m and 0.25 rad; 10 s for 0.5 m). Two
+  defaults differ from Nav2, with a message: missing limits of speed and acceleration (0 in Nav2, so that the robot does
+  not move), and heights of obstacles (lasers here scan in one plane). `move_base` replans at its own
+  `planner_frequency`; Nav2's behavior tree replans once per second. Parameters without a counterpart have no effect,
+  and a message names them: other planners (MPPI, Smac), nodes, critics and ranges.
+* Layers and sensors of ROS 1's files are as in ROS 1, too. Without `plugins`, a costmap has the map only with
+  `static_map: true`. Without `observation_sources`, it uses no sensor. A costmap that no file mentions keeps the map,
+  the laser and the robot's body.
 """
 
 TITLES = {

@@ -35,14 +35,14 @@ For researchers: every key of the files in a study's folder.
 `scripts/write_study_keys.py` writes this page from the code. [Studies with people](../how-to/studies-with-people.md)
 explains how the files work together; `thbridge study edit FOLDER` shows them as a form.
 
-A questionnaire in full:
+A complete questionnaire:
 
 ```yaml
 title: How you feel
 instructions: Think of the game that you have just played.
 shuffle: true                 # another order for each participant
 page: 4                       # items on a page
-like: {scale: likert, points: 7, low: not at all, high: very much}      # what all items share
+like: {scale: likert, points: 7, low: not at all, high: very much}      # for all items
 items:
   - {id: calm, text: I felt calm., subscale: ease}
   - {id: hasty, text: I felt hasty., subscale: ease, reverse: true}

@@ -33,7 +33,7 @@ BOUNDS: Mapping[str, Bound] = {
     "descriptors": Bound(0.0, 4.0),
     "threads": Bound(0.0, 1.0),
 }
-"""Bounds by the last words of column names.
+"""Bounds by the last word of column names.
 
 In the first hours, caches and data for late watchers grow. `slack` allows this.
 """
