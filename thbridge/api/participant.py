@@ -47,7 +47,7 @@ class QueuePlayer:
 class HuntParticipant:
     """Requests of the participant, as the participant's window sends them.
 
-    A few ticks later, a request takes effect or is refused. A refusal is an event, and the view contains it.
+    A few ticks later, a request takes effect or is refused. A refusal is an event, and is shown in the view.
 
     Decisions that are discussed with a robot need an agreement first. To send a robot to a room, call `select` or
     `suggest`, call `answer` until the view contains the agreement, then call `send`. For a treasure, begin with
@@ -62,7 +62,7 @@ class HuntParticipant:
         self._robots = robots
 
     def agree(self) -> None:
-        """Give consent to take part, if the study asks for it."""
+        """Give consent to take part, if the study asks for consent."""
         self._ask(GiveConsent())
 
     def select(self, robot: int, room: int) -> None:

@@ -165,7 +165,7 @@ class HuntSession:
     # Time
 
     def step(self, ticks: int = 1) -> HuntSnapshot:
-        """Run a number of ticks of 20 ms, and return the state after them.
+        """Run a number of ticks of 20 ms, and return the state after the last tick.
 
         Raises:
             HuntError: the session is closed, or the recording cannot be written.
@@ -177,7 +177,7 @@ class HuntSession:
         return self.snapshot
 
     def run(self, seconds: float) -> HuntSnapshot:
-        """Run for some seconds of simulated time, and return the state after them. Raises the same errors as `step`."""
+        """Run for some seconds of simulated time, and return the state at the end. Raises the same errors as `step`."""
         return self.step(max(round(seconds * TICKS_PER_SECOND), 1))
 
     def run_until(self, condition: "str | Callable[[HuntSession], bool]", at_most: float = AN_HOUR) -> bool:
@@ -281,7 +281,7 @@ class HuntSession:
 
     @property
     def view(self) -> HuntView | None:
-        """The part of the state that the participant may know; None in the first ticks, before the game sends it."""
+        """Part of the state that the participant may know; None in the first ticks, before the game sends a view."""
         return None if self._tabui.view is None else view_of(self._tabui.view)
 
     # Requests to the game: the rules apply, but no dialogue is needed

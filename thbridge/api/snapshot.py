@@ -135,7 +135,7 @@ class HuntSnapshot:
 
     @cached_property
     def places(self) -> Integers:
-        """(n,) number of the room where each robot is at rest, or from which it departed; 0 is the corridor."""
+        """(n,) number of the last room of each robot: where it is, or from where it departed; 0 is the corridor."""
         robots = () if self._game is None else self._game.robots
         return np.array([robot.at.people for robot in robots], dtype=np.int64)
 

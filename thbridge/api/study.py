@@ -62,7 +62,7 @@ class HuntStudy:
 
     def _read(self, study: Study, beside: Path, written: Loaded[Study] | None) -> None:
         if study.robots_from is RobotsFrom.ROS:
-            problem = "this study is for real robots, but a session of the API simulates its robots"
+            problem = "this study is for real robots, but `HuntStudy` is for simulated robots"
             raise HuntError(f"robots_from: {problem}. Write sim, or run `thbridge simr`.", key="robots_from")
         self._beside = beside
         self._setting = read_setting(study, beside, written=written)
@@ -128,7 +128,7 @@ def setting_of(study: HuntStudy) -> StudySetting:
 
 
 def seeded(study: HuntStudy, seed: int) -> HuntStudy:
-    """Return the study with another seed, without checking it."""
+    """Return the study with another seed, without a check of the study."""
     setting = setting_of(study)
     return study._with_study(replace(setting.study, seed=seed))
 

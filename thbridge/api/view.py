@@ -73,7 +73,7 @@ class HuntView:
 
     @cached_property
     def places(self) -> Integers:
-        """(n,) number of the room where each robot is at rest, or from which it departed; 0 is the corridor."""
+        """(n,) number of the last room of each robot: where it is, or from where it departed; 0 is the corridor."""
         return np.array([robot.place for robot in self._view.robots], dtype=np.int64)
 
     @cached_property

@@ -95,7 +95,8 @@ async def simr_with_real_robots(
         options: options of the program; the rate must be 1 (real time).
         graph: the robots' ROS graph.
         lost: callback with the reason, called when the connection to the text server is lost.
-        unreachable: callback with the reason why robots cannot connect to this node; it must raise an exception.
+        unreachable: callback with the reason why robots cannot connect to this node. The callback must raise an
+            exception.
         missing: callback with sentences about missing topics and nodes. It is called when the list of sentences
             changes, and at the end with an empty list.
 

@@ -1,4 +1,4 @@
-"""Real time of a game: the times of its ticks, and the lag of simulated time behind real time."""
+"""Real time of a game: times of ticks, and lag of simulated time behind real time."""
 
 import math
 import time
@@ -100,7 +100,7 @@ class PaceMeter:
         return self.state
 
     def keep(self) -> None:
-        """Store the times of the last measured tick and of the tick before it."""
+        """Store the times of the last measured tick and of the previous tick."""
         if self._tick > 0:
             self._points.setdefault(self._tick - 1, self.state.wall - self.state.step)
         self._points[self._tick] = self.state.wall

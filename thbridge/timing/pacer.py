@@ -23,7 +23,7 @@ _LOOK = 0.1
 class Pacer:
     """Timer of ticks. If the machine is too slow for the rate, simulated time lags; ticks are never skipped.
 
-    The pace can be changed while the loop runs, on the thread of its event loop.
+    The pace can be changed while the loop runs. All calls must be on the thread of the event loop.
 
     Args:
         rate: simulated seconds per second; 0 means as fast as possible.

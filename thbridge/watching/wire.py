@@ -53,7 +53,7 @@ class SessionMessage:
 
 @dataclass(frozen=True, slots=True)
 class BrokenStream:
-    """Event: the stream does not come from a session, so its rest cannot be read."""
+    """Event: the stream does not come from a session, and cannot be read any further."""
 
     reason: str
 
@@ -84,7 +84,7 @@ class WatchStatus:
         refused: the latest refused request of this watcher; None if no request was refused.
         refusals: number of refused requests.
         bag: path of the session's bag on the session's machine; empty if the session records no bag.
-        ended: True if the session has ended and its bag is complete; then this is the last status.
+        ended: True if the session has ended and the bag is complete; then this status is the last status.
     """
 
     paused: bool
@@ -249,7 +249,7 @@ WatcherEvent: TypeAlias = WatcherAdmitted | WatcherRequest | WatchRefusal
 
 
 class WatcherSession:
-    """Decoder of one watcher's lines, which also checks its key.
+    """Decoder of one watcher's lines, which also checks the watcher's key.
 
     Args:
         identify: function that returns the credentials of a key, or a clause with the reason why the key is refused. If

@@ -1,4 +1,4 @@
-"""Messages between the program that runs a study with people (host) and the window that shows them its pages (kiosk).
+"""Messages between the program that runs a study with people (host) and the participant's window (kiosk).
 
 The window runs in a separate process. It receives the contents of each page, but cannot read the study's log. Each page
 has a number; a message about a page other than the present page is ignored. The docstring of each message begins with
@@ -142,12 +142,12 @@ class GamePrepared(msgspec.Struct, frozen=True, tag=True):
 
 
 class GameToJoin(msgspec.Struct, frozen=True, tag=True):
-    """Host: join the game at this address.
+    """Host: join a game at a text server.
 
     Attributes:
         page: number of the page.
-        host: host of its text server.
-        port: port of its text server.
+        host: host of the game's text server.
+        port: port of the game's text server.
         token: secret by which the server recognizes this participant.
         practice: True for the practice game.
         agreed_at: date and time at which the person gave consent; empty if the study did not ask for consent.
@@ -193,7 +193,7 @@ class InstructionsSoFar(msgspec.Struct, frozen=True, tag=True):
 
 
 class GameRecorded(msgspec.Struct, frozen=True, tag=True):
-    """Host: the game has ended and is recorded. The window shows this text, unless it shows the end of the game."""
+    """Host: the game has ended and is recorded. If the window does not show the end of the game, it shows this text."""
 
     page: int
     heading: str
@@ -272,7 +272,7 @@ class InstructionsNews(msgspec.Struct, frozen=True, tag=True):
 
 
 class GameSeenOver(msgspec.Struct, frozen=True, tag=True):
-    """Window: it shows the end of the game, and no longer needs the game."""
+    """Window: the end of the game is shown, and the game is no longer needed."""
 
     page: int
 

@@ -42,11 +42,11 @@ class Preparing(msgspec.Struct, frozen=True, tag=True):
 
 
 class Join(msgspec.Struct, frozen=True, tag=True):
-    """Host: join the game at this address.
+    """Host: join a game at a text server.
 
     Attributes:
-        host: host of its text server.
-        port: port of its text server.
+        host: host of the game's text server.
+        port: port of the game's text server.
         token: secret by which the server recognizes this participant.
         practice: True for the practice game.
         agreed_at: date and time at which the participant gave consent; empty if the study did not ask for consent.
@@ -78,7 +78,7 @@ class Declined(msgspec.Struct, frozen=True, tag=True):
 
 
 class Begin(msgspec.Struct, frozen=True, tag=True):
-    """Window: play with this number of robots."""
+    """Window: start a game with this number of robots."""
 
     robots: int
 

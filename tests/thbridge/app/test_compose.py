@@ -176,7 +176,7 @@ def mine(tmp_path: Path) -> Path:
 def test_another_map_with_the_name_of_ours_is_not_priced_as_ours(mine: Path, tmp_path: Path) -> None:
     mine.rename(tmp_path / "arena8")
     with pytest.raises(
-        BadFile, match="its costs are for the built-in map arena8, but the study has another map of this name"
+        BadFile, match="these costs are for the built-in map arena8, but the study has another map of this name"
     ):
         read_setting(Study(map="./arena8", templates="original-2016"), tmp_path)
 

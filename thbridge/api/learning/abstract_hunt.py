@@ -58,7 +58,7 @@ class MoveTimes:
         return cls(_ticks(plain_costs(timed.costs)), _ticks(seconds), prices)
 
     def ticks(self, robot: int, start: Room, room: Room, cost: float) -> int:
-        """Return the duration of a move in ticks; if it is unknown, a move takes 1 s per unit of `cost`."""
+        """Return the duration of a move in ticks. A move of unknown duration takes 1 s per unit of `cost`."""
         row = self.from_starts[robot] if start.is_corridor else self.between[start.people]
         ticks = row[room.people]
         return max(round(cost * TICKS_PER_SECOND), 1) if ticks is None else ticks
@@ -104,7 +104,7 @@ class HuntOpening:
 
 
 class AbstractHunt:
-    """Game without simulated robots, whose only state is their positions. Ground stations' requests command the robots.
+    """Game without simulated robots: a robot has only a position. Requests of ground stations command the robots.
 
     The map gives the duration of a move. All decisions about a treasure are carried out in the tick of the arrival.
     Moves never fail, robots never get lost, and robots never wait for each other.
@@ -142,7 +142,7 @@ class AbstractHunt:
         self._follow(ruling_on(self.game, request))
 
     def run_to(self, tick: int) -> None:
-        """Advance to the next arrival or, if it is later than `tick`, to `tick`."""
+        """Advance to the next arrival, but at most to `tick`."""
         arrivals = [move.arrives for move in self.moves if move is not None]
         self.tick = min([tick, *arrivals])
         for robot, move in enumerate(self.moves):
@@ -151,7 +151,7 @@ class AbstractHunt:
 
     def _arrive(self, robot: int) -> None:
         room = self.game.robots[robot].bound_for
-        assert room is not None  # noqa: S101  # it has a move
+        assert room is not None  # noqa: S101  # The robot has a move.
         self.moves[robot] = None
         self._follow(rules.arrive(self.game, robot, room))
         self._follow(rules.sense(self.game, room))

@@ -144,7 +144,7 @@ def treasure_names(setting: StudySetting) -> tuple[str, ...]:
 
 
 def known_treasures(templates: TemplateSet) -> tuple[TreasureKind, ...]:
-    """Return the public list of treasures: without their pictures."""
+    """Return the list of treasures without pictures, which participants may know."""
     return tuple(replace(kind, image=None) for kind in templates.kinds)
 
 

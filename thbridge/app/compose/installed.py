@@ -1,4 +1,4 @@
-"""Plug-ins that a study names. This module loads, checks and watches them; see `thbridge.files.plugins`."""
+"""Loading, checks and supervision of the plug-ins that a study names; see `thbridge.files.plugins`."""
 
 import logging
 from collections.abc import Callable, Sequence

@@ -1,4 +1,4 @@
-"""Parts of robots' software that studies name as plug-ins. This module loads and guards them."""
+"""Loading and supervision of parts of robots' software that studies name as plug-ins."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -40,7 +40,7 @@ class PartCaller(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class PartGuard:
-    """Guard of a part: it converts exceptions of the lab's program into `PartFailed`, and logs each of them once.
+    """Guard of a part, which converts exceptions of the lab's program into `PartFailed`, and logs each of them once.
 
     Attributes:
         what: kind and name of the part.
@@ -153,7 +153,7 @@ class GuardedLocalizer:
         self._localizer: Localizer | None = None
         self._covariance = read_only(np.zeros((3, 3)))
         self._odom_in_map = Pose2(0.0, 0.0, 0.0)
-        # Pose that a request has set. From it and the next odometry, the correction of the odometry frame is computed.
+        # Pose that a request has set. This pose and the next odometry give the correction of the odometry frame.
         self._base_in_map: Pose2 | None = None
         self._fault = ""
         try:
@@ -350,7 +350,7 @@ def _wrong_path(found: object, costs: Costs, frame: CostFrame, start: Pose2, goa
         for part in range(parts + 1):
             at = Pose2(x + (u - x) * part / parts, y + (v - y) * part / parts, 0.0)
             cost = _cost_at(costs, frame, at)
-            # Near the robot, the path may touch an obstacle, because it may lead the robot away from the obstacle.
+            # Near the robot, the path may touch an obstacle, because the robot may have to leave an obstacle.
             if at.distance(start) > NEAR_ROBOT and (cost is None or cost in _OCCUPIED):
                 return f"its path leads through an obstacle at ({at.x:.2f}, {at.y:.2f})"
     return ""

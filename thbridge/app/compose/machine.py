@@ -1,4 +1,4 @@
-"""Versions and machine of this process. In addition to study, seed and inputs, they can change the results."""
+"""Versions and machine of this process, which can change results, as study, seed and inputs do."""
 
 import os
 import platform

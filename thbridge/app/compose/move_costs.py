@@ -1,4 +1,4 @@
-"""Choice of the file with the costs of a study's moves, and warnings about it."""
+"""Choice of the file with the costs of a study's moves, and warnings about this file."""
 
 from collections.abc import Iterator
 from itertools import product
@@ -23,8 +23,8 @@ def costs_file(
 ) -> Path:
     """Return the file with the costs of moves.
 
-    It is the study's own cost file, otherwise the cost file of the templates if it is for this map, otherwise the cost
-    file of the map. If the templates do not name a map, their cost file is for all maps.
+    The study's own cost file has priority, then the cost file of the templates if it is for this map, then the cost
+    file of the map. If the templates do not name a map, the cost file of the templates is for all maps.
 
     Args:
         study: the study.
@@ -49,9 +49,9 @@ def costs_file(
     if templates.costs is None:
         problem = f"moves have no costs, because neither this folder nor the map {place.name} has a file {MAP_TIMES}"
     elif templates.map == place.name:
-        problem = f"its costs are for the built-in map {place.name}, but the study has another map of this name"
+        problem = f"these costs are for the built-in map {place.name}, but the study has another map of this name"
     else:
-        problem = f"its costs are for the map {templates.map}, and the map {place.name} has no file {MAP_TIMES}"
+        problem = f"these costs are for the map {templates.map}, and the map {place.name} has no file {MAP_TIMES}"
     measure = f"thbridge maps measure {of_map} --out {of_map / MAP_TIMES}"
     remedy = f"measure the trips with `{measure}`, or name another file with `game: costs:` in the study"
     raise BadFile(folder / MAP_TIMES, problem, remedy)
@@ -115,7 +115,7 @@ def doubts_of_costs(
         start, goal, least = too_cheap[0]
         problem = (
             f"{len(too_cheap)} trips take less time than the study's robots need: {start} to {goal} takes "
-            f"{costs.cost(start, goal):g} s here, but at least {least:.0f} s at their highest speed"
+            f"{costs.cost(start, goal):g} s in this file, but at least {least:.0f} s at the robots' highest speed"
         )
         remedy = "If the file is for another map or other robots, measure again with `thbridge maps measure`"
         yield BadFile(path, problem, remedy)

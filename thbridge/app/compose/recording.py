@@ -51,7 +51,7 @@ def build_recorder(
         setting: the study.
         opening: first record, see `build_record`.
         listeners: receivers of all messages.
-        publisher: publisher of the robots' messages, if another part also uses it. If None, a new publisher is built.
+        publisher: publisher of the robots' messages that another part also uses. If None, a new publisher is built.
     """
     return BagRecorder(Broadcast(publisher or build_publisher(setting), opening, setting.map.grid, listeners))
 

@@ -29,7 +29,7 @@ from thbridge.study.things import schedule_of
 REHEARSAL = 5 * TICKS_PER_SECOND
 """Number of ticks of a rehearsal, in which robots localize, plan around each other, turn and drive."""
 REHEARSERS = 10
-"""Largest number of robots with the common parameters in a rehearsal; it is enough for all actions in `REHEARSAL`."""
+"""Largest number of robots with the common parameters in a rehearsal. More robots would not compile more kernels."""
 
 
 def build_team(setting: StudySetting) -> Team:
@@ -64,7 +64,7 @@ def rehearse(setting: StudySetting) -> None:
 def build_simr(
     setting: StudySetting, robots: RobotTeam | None = None, response_timeout: int = RESPONSE_TIMEOUT
 ) -> SimR:
-    """Return the role of the robots; if `robots` is None, they are simulated.
+    """Return the role of the robots. If `robots` is None, the robots are simulated.
 
     `SimR` describes `response_timeout`; the unit is ticks.
     """

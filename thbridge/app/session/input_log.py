@@ -1,4 +1,4 @@
-"""Log of a game's inputs, with which a game resumes after its program has died.
+"""Log of a game's inputs, with which a game resumes after a crash of its program.
 
 The effects of an input can be computed again, so only the inputs must not be lost. Each input is on the disk before any
 message of its tick is sent. To resume a game, the program runs the game again from its study with the logged inputs, as
@@ -131,7 +131,7 @@ class InputLog:
         self._file.close()
 
     def _read_or_begin(self, first: bytes) -> Sequence[LoggedTick]:
-        """Read the log and drop a partly written last line, or begin the log with its first line."""
+        """Read the log and drop an incomplete last line; if there is no log, write the first line."""
         self._file.seek(0)
         content = self._file.read()
         whole = content[: content.rfind(b"\n") + 1]

@@ -68,9 +68,9 @@ class RecordedRouter:
     def admits(self, connection: ConnectionId) -> bool:
         """Return True if a connection may send another line before the next tick.
 
-        Lines are stored in memory until the next tick, which can take long during a pause, and they are recorded. So
-        their number is limited. A few lines are always accepted from each program, even if other programs send many
-        lines.
+        Lines are stored in memory until the next tick, which can be long after during a pause. Lines are also recorded.
+        So the number of lines is limited. A few lines are always accepted from each program, even if other programs
+        send many lines.
         """
         said = self._said.get(connection, 0)
         return said < _FEW_LINES or (said < _MOST_OF_ONE and self._said_by_all < _MOST_OF_ALL)

@@ -1,4 +1,4 @@
-"""History of a session for watchers that connect late: they then have the same messages as earlier watchers."""
+"""History of a session, which gives watchers that connect late the same messages as earlier watchers."""
 
 from collections import defaultdict, deque
 from collections.abc import Sequence

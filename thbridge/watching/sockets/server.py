@@ -170,8 +170,8 @@ class WatchServer:
     def connection_opened(self, watcher: _Watcher) -> int:
         """Add a connection and return its number."""
         if len(self._open) >= self._door.most:
-            # Clients that have a key send it at once. So a client with a wrong key is replaced first, then the oldest
-            # client without a key.
+            # Clients that have a key send the key at once. So a client with a wrong key is replaced first, then the
+            # oldest client that has not sent a key.
             deaf = next((each for each in self._open if each.deaf), None)
             (deaf or next(each for each in self._open if each not in self._watchers)).abort()
         self._open[watcher] = None

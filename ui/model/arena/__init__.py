@@ -1,1 +1,1 @@
-"""Arena that a person draws: rooms, start poses, and the free floor for them."""
+"""Arena that a person draws: rooms, start poses, and the free floor of the map."""

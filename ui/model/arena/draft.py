@@ -1,4 +1,4 @@
-"""Arena that a person draws: rooms and start poses, changes of them, and undo."""
+"""Arena that a person draws: rooms, start poses, changes, and undo."""
 
 import dataclasses
 import math

@@ -33,7 +33,7 @@ class DeskRun(msgspec.Struct, frozen=True):
     Attributes:
         participant: id of the person.
         cell: name of the person's cell.
-        order: the person's conditions in words, in their order.
+        order: the person's conditions in words, in the order of the games.
         state: state of the run, as in `RunState`.
         reason: reason why the run was excluded or the person left.
         step: number of the next or current step, from 1; after the end, the number of the last step.
@@ -105,9 +105,9 @@ class DeskState(msgspec.Struct, frozen=True, tag=True):
         runs: runs in the order in which they began.
         kiosk: description of the page that the kiosk shows now; empty if unknown.
         troubles: sentences about problems that need attention.
-        notes: notes of the experimenter, in their order.
-        shown: id of the person whose events are listed; empty for none.
-        events: events of that person, in their order.
+        notes: notes of the experimenter, in the order of writing.
+        shown: id of the person whose events are listed; empty if there is none.
+        events: events of that person, in the order of time.
         no_next: reason why the next person cannot begin now; empty if the next person can begin.
         rehearsal: True if the people are simulated.
         read_only: reason why the desk cannot send requests; empty if requests are possible.

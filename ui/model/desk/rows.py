@@ -10,7 +10,8 @@ RUNS = ("Participant", "State", "Step or reason", "Since", "Minutes", "Unanswere
 EVENTS = ("Time", "Event", "Caused by")
 NOTES = ("Time", "Subject", "Note")
 
-_STATES = {"complete": "counts"}
+_STATES = {"complete": "counts", "under way": "in progress"}
+"""Words for states of runs, if they differ from the name of the state."""
 
 
 def local_time(wall: str, form: str = "%d %b %H:%M") -> str:

@@ -17,7 +17,7 @@ NO_PLACE = {
 }
 _BEGINNINGS = frozenset({EventKind.STEP_BEGUN, EventKind.STEP_RESUMED})
 _BY_ITSELF = frozenset(EventKind) - {EventKind.NOTE, EventKind.FAREWELL_READ, EventKind.RUN_EXCLUDED}
-"""Kinds of events that can be the last event of a run. They omit exclusions, which can follow weeks later."""
+"""Kinds of events that can be the last event of a run; exclusions are omitted, because they can follow weeks later."""
 _BUT_NOTES = _BY_ITSELF | {EventKind.RUN_EXCLUDED}
 
 

@@ -148,12 +148,12 @@ class StudyDraft:
         return () if group is None else group.order
 
     def differences(self, saved: str) -> tuple[str, ...]:
-        """Return the lines that differ from the text on disk, with some lines around them, as `diff -u` does."""
+        """Return the differences from the text on disk, in the form of `diff -u`."""
         return differences(saved, self.text)
 
 
 def draft_of(path: Path, text: str) -> StudyDraft:
-    """Read and check a text as `thbridge study check` does; this takes about 0.1 s."""
+    """Read and check a text as `thbridge study check` does. The check takes about 0.1 s."""
     try:
         tree = parse(path, text)
     except BadFile as fault:

@@ -196,7 +196,7 @@ def typed_as_yaml(field: FormField, typed: str) -> str:
 
 
 def editable_text(field: FormField) -> str:
-    """Return a field's value as a person would type it: a text without its quotes."""
+    """Return a field's value as a person would type it, without quotes around a text."""
     if _PLAIN.fullmatch(field.value):
         return field.value
     one_line = "\n" not in field.value
@@ -217,7 +217,7 @@ def hint_of(field: FormField) -> str:
 
 
 def _outdented(lines: str) -> str:
-    """Return a value of several lines with equal indentation, because its first line follows the key in the file."""
+    """Return a value of several lines with equal indentation; its first line is behind the key in the file."""
     first, _, rest = lines.partition("\n")
     return f"{first}\n{textwrap.dedent(rest)}"
 
@@ -330,7 +330,7 @@ class _Builder:
         return self._field(key, str, {"help": help_text}, default, [*([above] if above else []), key])
 
     def _named_sections(self, named: tuple["DataclassInstance", ...], names_at: str, like: str) -> Iterator[FormGroup]:
-        """Yield the sections of the names that are listed at this path."""
+        """Yield a section for each name that is listed at this path."""
         holder = names_at.rpartition(".")[0]
         node = node_at(self._tree, steps_of(names_at))
         by_default = {_name_of(section): section for section in named}

@@ -73,7 +73,7 @@ def _value(field: FormField, typed: str) -> float | str | None:
 
 
 def preview_of(study: Study, noise: NoiseSection) -> NoisePreview:
-    """Return drives and a scan with this noise; all other values of the robot are those of the study.
+    """Return drives and a scan with this noise; all other values come from the study.
 
     This takes about 50 ms.
     """
@@ -89,7 +89,7 @@ def preview_of(study: Study, noise: NoiseSection) -> NoisePreview:
 
 
 def _verdict(wheels: PathSpread, believed: PathSpread) -> str:
-    """Return a sentence that compares the true noise with the filter's model of it."""
+    """Return a sentence that compares the true noise with the noise that the filter assumes."""
     share = covered(wheels, believed)
     share_words = f"{100 * share:.0f} % of the drives end where the filter expects 95 % of them"
     if wheels.along < _ALMOST_NONE and believed.along < _ALMOST_NONE:

@@ -113,7 +113,7 @@ def translations(
     Args:
         templates: the set.
         folder: folder of the set.
-        place: room that the sentences name; its name is omitted, because it is in another language.
+        place: room that the sentences name. The name of the room is omitted, because it is in another language.
         kind: kind of the treasure in this room. If None, it is the first kind of the set.
     """
     for language in templates.words:

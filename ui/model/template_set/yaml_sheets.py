@@ -68,7 +68,7 @@ class _YamlSheet(Sheet):
         return _in_yaml(without(self._text, f"{self.key}[{row}]", self._tree))
 
     def cell_of(self, fault: BadFile) -> tuple[int, int] | None:
-        """Return the row and column of a fault; a fault of a whole entry is shown in its first cell."""
+        """Return the row and column of a fault; for a fault of a whole entry, return the first cell of the entry."""
         key = "" if fault.key is None else fault.key
         for row in range(self._count):
             for column, path in enumerate(self._paths()):
