@@ -5,7 +5,7 @@ from datetime import datetime
 
 from ui.model.desk.messages import DeskEvent, DeskNote, DeskRun, DeskState
 
-CELLS = ("Cell", "Runs that count", "Planned", "In progress")
+CELLS = ("Cell", "Counted", "Planned", "In progress")
 RUNS = ("Participant", "State", "Step or reason", "Since", "Minutes", "Unanswered", "Cell", "Order")
 EVENTS = ("Time", "Event", "Caused by")
 NOTES = ("Time", "Subject", "Note")

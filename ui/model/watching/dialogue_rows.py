@@ -17,7 +17,7 @@ class DialogueList(StrEnum):
 
     ARGUMENTS = "Arguments"
     BELIEFS = "Beliefs of the robot (Σ)"
-    PICTURE = "The robot's picture of the participant's beliefs (Γ)"
+    PICTURE = "Robot's picture of the participant (Γ)"
     ROBOT_STORE = "Said by the robot"
     HUMAN_STORE = "Said by the participant"
 

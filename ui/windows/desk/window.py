@@ -137,8 +137,8 @@ class DeskWindow(QMainWindow):
         self.cell_model, self.run_model = GrowingModel(CELLS, self), GrowingModel(RUNS, self)
         self.event_model = GrowingModel(EVENTS, self, has_time=True)
         self.note_model = GrowingModel(NOTES, self, has_time=True)
-        self.cells = row_table("Cells and quotas", self.cell_model, single, 1, (26, 7, 8, 10))
-        self.runs = row_table("Runs", self.run_model, single, 1, (11, 10, 30, 7, 8, 8, 26, 40))
+        self.cells = row_table("Cells and quotas", self.cell_model, single, 1, (26, 9, 9, 12))
+        self.runs = row_table("Runs", self.run_model, single, 1, (11, 12, 30, 7, 9, 12, 26, 40))
         self.events = row_table("Events of the selected run", self.event_model, single, 1, (9, 44, 11))
         self.notes = row_table("Notes", self.note_model, single, 1, (13, 11, 50))
         for table in (self.cells, self.runs, self.events, self.notes):
