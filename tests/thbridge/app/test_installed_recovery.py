@@ -190,12 +190,12 @@ def test_a_trial_finds_what_is_wrong_with_a_behavior(name: str, problem: str) ->
 def test_the_command_finds_what_differs_in_another_process() -> None:
     done = invoke("plugins", "check", "--recovery", "hashed")
     assert done.exit_code == 2
-    assert "hashed: in another process it decided differently with the same seed" in done.output
+    assert "hashed: the plug-in decided differently in another process with the same seed" in done.output
 
 
 def test_the_command_lists_what_is_installed_and_checks_what_is_named() -> None:
     listed = invoke("plugins", "list")
     assert "recovery behavior back: lab_of_recovery:Back, of the package lab-of-recovery 1.0" in listed.output
-    for arguments, told in (([], "nothing to check"), (["--recovery", "bakc"], "The nearest name is back")):
+    for arguments, told in (([], "The plug-in to check is missing"), (["--recovery", "bakc"], "The nearest name is back")):
         done = invoke("plugins", "check", *arguments)
         assert done.exit_code == 2 and told in done.output

@@ -38,7 +38,7 @@ def test_an_address_that_is_none(option: str, address: str) -> None:
 
 def test_a_target_of_a_robot_that_there_is_not() -> None:
     message = refusal("--mavlink", "--robots", "3", "--udp", "h:1/4")
-    assert "--udp: 'h:1/4': there is no robot 4. The study has 3." in message
+    assert "--udp: 'h:1/4': there is no robot 4. The last robot is 3." in message
 
 
 @pytest.mark.parametrize("other", ["h:1", "h:1/2"])
