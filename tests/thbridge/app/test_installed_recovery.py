@@ -196,6 +196,6 @@ def test_the_command_finds_what_differs_in_another_process() -> None:
 def test_the_command_lists_what_is_installed_and_checks_what_is_named() -> None:
     listed = invoke("plugins", "list")
     assert "recovery behavior back: lab_of_recovery:Back, of the package lab-of-recovery 1.0" in listed.output
-    for arguments, told in (([], "The plug-in to check is missing"), (["--recovery", "bakc"], "The nearest name is back")):
+    for arguments, told in (([], "plug-in to check is missing"), (["--recovery", "bakc"], "The nearest name is back")):
         done = invoke("plugins", "check", *arguments)
         assert done.exit_code == 2 and told in done.output

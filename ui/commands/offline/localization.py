@@ -269,9 +269,7 @@ def _show_lost(result: LocalizationResult) -> None:
         show("The robot was not lost at any update.")
         return
     lost = sum(stretch.updates for stretch in stretches)
-    show(
-        f"The robot was lost at {lost} of {len(result.updates)} updates. Periods, in seconds after the first update:"
-    )
+    show(f"The robot was lost at {lost} of {len(result.updates)} updates. Periods, in seconds after the first update:")
     for stretch in stretches[:MOST_STRETCHES]:
         start, end = (stretch.start_ns - first_ns) / 1e9, (stretch.end_ns - first_ns) / 1e9
         show(f"  {start:.1f} to {end:.1f}, {stretch.updates} updates")

@@ -59,9 +59,7 @@ def sweep_run(
 
     part = Shard() if shard is None else shard_in(shard)
     if part is None:
-        fail(
-            BAD_INPUT, f"--shard: {shard!r} is not of the form I/N. Write, for example, --shard 2/8 for part 2 of 8."
-        )
+        fail(BAD_INPUT, f"--shard: {shard!r} is not of the form I/N. Write, for example, --shard 2/8 for part 2 of 8.")
     with bad_input():
         design = read_design(design_file)
         for doubt in design.doubts:
