@@ -2,7 +2,8 @@
 
 One dialogue of the participant with a robot is a sequence of dialogue games about one decision. A wish of the
 participant opens a persuasion; "I don't know" opens an information-seeking. If a game ends without an agreement, the
-participant may open the next game. Between the games the participant may ask for explanations, which change nothing.
+participant may open the next game. Between the games the participant may ask for explanations, which have no effect on
+the dialogue.
 """
 
 from collections.abc import Mapping
@@ -70,8 +71,9 @@ class ArguingEngine:
         rulebook: locutions and games.
         manners: manner of each robot, by its index. Robots that are not listed have the manner with the key `None`.
         phrasing: words for moves.
-        seed: random seed of the game, for moves that a robot mishears.
-        strategies: installed strategies that choose moves, with keys as in `manners`. If None, the built-in strategy.
+        seed: random seed of the game, used for moves that a robot mishears.
+        strategies: installed strategies that choose moves, with keys as in `manners`. None stands for the built-in
+            strategy.
     """
 
     rulebook: Rulebook

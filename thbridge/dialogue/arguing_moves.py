@@ -90,13 +90,13 @@ class PossibleMoves:
         return (*moves[: MOST_CHOICES - 1], Leave())
 
     def _openings(self, dialogue: Dialogue, conversation: Conversation) -> list[Move]:
-        """Return the moves with which the person may continue after a game without an agreement to do something."""
+        """Return the moves with which the person may continue after a game that ended without an agreed action."""
         claim, evidence = claim_of(dialogue.topic), evidence_of(dialogue.topic, conversation)
         # The person has not proposed a name to argue for.
         hers = None if dialogue.topic.scenario is Scenario.UNSURE_NAME else claim
         found = [
             self.opening(dialogue, Side.HUMAN, PERSUASION, hers),
-            # For a room later in its tour, the robot's reason is the order of the tour.
+            # For a room that comes later in the robot's tour, the robot's reason is the order of the tour.
             self.opening(dialogue, Side.HUMAN, INFORMATION_SEEKING, evidence.order or evidence.decision),
             self.question_of_refusal(dialogue, Side.HUMAN),
         ]
@@ -137,7 +137,7 @@ class PossibleMoves:
     def question_of_refusal(self, dialogue: Dialogue, side: Side) -> Opening | None:
         """Return the question that a side may ask after its reason was refused; None if there is no question.
 
-        No side doubts the other's wishes. A persistent robot asks about things that it does not know yet.
+        No side questions the other side's wishes. A persistent robot asks about things that it does not know yet.
         """
         conversation = dialogue.conversation
         refused = None if conversation is None else conversation.refused
@@ -178,7 +178,7 @@ def claim_of(topic: DialogueTopic) -> Literal:
 
 
 def evidence_of(topic: DialogueTopic, conversation: Conversation | None) -> Evidence:
-    """Return the robot's evidence, with the statements of the person that it has accepted."""
+    """Return the robot's evidence, including the person's statements that the robot has accepted."""
     match topic.facts:
         case WhereFacts():
             return where(topic.facts, told_beliefs(conversation), topic.room)

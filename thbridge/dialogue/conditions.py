@@ -13,7 +13,7 @@ class DialogueCondition(StrEnum):
     """Method by which robots and participant decide together."""
 
     SUPERVISOR = "supervisor"
-    """Robots do what they are asked to, without discussion."""
+    """Robots do what they are asked to do, without discussion."""
     SCRIPT = "script"
     """Robots ask the scripted questions of 2016."""
     COLLABORATOR = "collaborator"
@@ -36,11 +36,11 @@ class Manner:
     Attributes:
         condition: determines which side has the last word.
         attitude: attitude to statements of the participant.
-        persistence: number of dialogues about the same matter in which it maintains its position.
-        talkative: True if it gives its arguments part by part, and the other side accepts or refuses each part; False
-            if it gives them as a whole.
-        gives_reasons: True if it answers questions for reasons, and gives reasons when it refuses.
-        misheard: probability that it understands a legal move that differs from the participant's.
+        persistence: number of dialogues about the same matter in which the robot maintains its position.
+        talkative: True if the robot gives its arguments part by part, so that the other side accepts or refuses each
+            part. False if the robot gives each argument as a whole.
+        gives_reasons: True if the robot answers questions for reasons, and gives reasons when it refuses.
+        misheard: probability that the robot understands another legal move than the participant made.
     """
 
     condition: DialogueCondition = DialogueCondition.COLLABORATOR

@@ -1,7 +1,7 @@
 """Dialogue engines: they receive moves of people, and return utterances and outcomes.
 
-A wizard may speak in a robot's place. A dialogue that is held waits at the robot's turn, until `speak` makes its move
-or `release` lets the robot itself do so.
+A wizard may speak in a robot's place. A dialogue that is held waits at the robot's turn. Then either `speak` makes the
+robot's move, or `release` lets the robot choose its move.
 """
 
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ class Phrasing(Protocol):
     """Sentences for moves."""
 
     def say(self, dialogue: Dialogue, move: Move, speaker: Speaker) -> str:
-        """Return the sentence for a move that is, or can be, the next in this dialogue."""
+        """Return the sentence for the next move, or a possible next move, of this dialogue."""
         ...
 
     def authored(self, dialogue: Dialogue, move: Move) -> OfferedSentence | None:
@@ -84,7 +84,7 @@ class DialogueEngine(Protocol):
         ...
 
     def announce(self, number: int, topic: DialogueTopic, move: Move) -> DialogueStep:
-        """Let the robot say something that needs no answer; the dialogue ends with it."""
+        """Let the robot say something that needs no answer; then the dialogue ends."""
         ...
 
     def move(self, dialogue: Dialogue, move: Move, *, held: bool = False) -> DialogueStep:
@@ -100,7 +100,7 @@ class DialogueEngine(Protocol):
         ...
 
     def retake(self, dialogue: Dialogue, turn: Turn) -> DialogueStep:
-        """Repeat a turn from before the dialogue was restored; the robot does not answer it."""
+        """Repeat a turn from before the dialogue was restored; the robot does not answer this turn."""
         ...
 
     def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:

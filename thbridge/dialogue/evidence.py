@@ -55,18 +55,19 @@ class WhereFacts:
         energy: energy that it has left.
         costs: energy to each room left; rooms without a path are missing.
         left: rooms that have not been visited.
-        under_way: rooms to which other robots drive or have agreed to go.
-        values: value for the team of each room as this robot's next room.
+        under_way: rooms to which other robots drive, or to which they have agreed to go.
+        values: by room, the value for the team if this room is this robot's next room.
         others: by room, costs of the other robots that the plan sends to this room first.
-        failed: rooms that it was sent to and did not reach, or to which it has no path.
+        failed: rooms to which the robot was sent and that it did not reach, or to which it has no path.
         team_costs: costs of the other robots to rooms, by their indices.
-        team_values: by the index of another robot, value for the team of each room as that robot's next room.
+        team_values: by the index of another robot and by room, the value for the team if this room is that robot's next
+            room.
         tour: rooms that the plan assigns to it, in their order.
         advised: the room that its planner chose. If None, it is the room with the highest value.
-        compares: False if its only reason for a room is the cost, as for an adviser that may give wrong advice.
+        compares: False if the robot's only reason for a room is the cost, as for an adviser that may give wrong advice.
         proven: False if the plans may not be optimal; then their values are not compared.
         left_behind: by room, the robots that get no room in the plan if this robot goes there.
-        confidence: confidence in its localization, 0 to 1.
+        confidence: the robot's confidence in its localization, 0 to 1.
         at: simulated time, s.
     """
 
@@ -117,7 +118,7 @@ class WhatFacts:
         names: names that fit everything known about the treasure, in alphabetical order.
         has_picture: True if there is a picture of it.
         at: simulated time, s.
-        claimed: name that the participant wants to give it; empty if the participant proposes none.
+        claimed: name that the participant wants to give to the treasure; empty if the participant proposes no name.
         against: properties that this name does not fit, as parts of sentences.
         unsure: True if the participant asks the robot what the treasure is.
     """
@@ -147,7 +148,7 @@ class Evidence:
 
     Attributes:
         beliefs: sensed and computed beliefs, with the rules of the language, and the decision.
-        decision: the robot's decision; None if it has none.
+        decision: the robot's decision; None if there is no decision.
         order: order of its tour up to the compared room; None if that room is not a later stop of the tour.
         doubt: a literal about which a dialogue may ask because the robot has no decision; None if there is none.
     """
@@ -255,7 +256,7 @@ def what(facts: WhatFacts, told: Beliefs | None = None) -> Evidence:
 
 
 def named(facts: WhatFacts) -> Literal:
-    """Return the literal that the treasure is named now, with the claimed name if there is one."""
+    """Return the literal that the treasure is named now, with the claimed name if there is a claimed name."""
     return Literal(NamesTreasureAs(facts.room, facts.claimed) if facts.claimed else NamesTreasure(facts.room))
 
 
@@ -292,7 +293,7 @@ def reasons_of_a_person(claim: Literal, facts: WhereFacts | WhatFacts) -> Belief
 
 
 class _Case:
-    """Beliefs while they are collected; each literal added with `knows` is sensed or computed at this time."""
+    """Collector of beliefs; each literal added with `knows` is sensed or computed at this time."""
 
     def __init__(self, at: float, told: Beliefs | None) -> None:
         self._at = at
@@ -302,7 +303,7 @@ class _Case:
 
     def knows(self, proposition: Proposition, *, confidence: float = 1.0, source: Source | None = None) -> Literal:
         literal, usual = Literal(proposition), _SOURCES.get(type(proposition), Source.COMPUTED)
-        # Reasons are given in the order of this key; comparisons come last.
+        # This key gives the order of reasons; comparisons come last.
         self._gathered.pop(literal, None)
         self._gathered[literal] = Origin(source or usual, self._at, confidence)
         return literal
@@ -363,7 +364,7 @@ def _affordable(case: _Case, facts: WhereFacts, room: Room, level: Literal) -> t
     if cost > facts.energy:
         case.rule((level, way, case.knows(LessThan((facts.energy,), cost))), ~goes)
         return ()
-    # The robot may spend all of its energy on a move, so that none is left below the cost.
+    # The robot may spend all of its energy on a move, so only an energy below the cost is too little.
     return (level, way, case.knows(LessThan((cost,), facts.energy))) if is_below(cost, facts.energy) else (level, way)
 
 

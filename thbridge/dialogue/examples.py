@@ -1,7 +1,7 @@
 """The worked example of Sklar and Azhar (2015): five exchanges between a robot and a person about a treasure hunt.
 
-The robot stands in room 4 with an energy of 1000. Each exchange begins with empty stores. The second and the third
-exchange use the costs of the later exchanges.
+The robot stands in room 4 with an energy of 1000. Each exchange begins with empty commitment stores. The second and the
+third exchange use the costs of the later exchanges.
 """
 
 from collections.abc import Mapping
@@ -137,7 +137,7 @@ order(1, Room1) and order(2, Room3))
     robot: accept(in_image(bottle, image2) and color_found(image2, blue) -> treasure_in(blue bottle, Room1))
     """,
 )
-"""The courses of the exchanges, one move per line; a bar separates moves if the example allows any of them."""
+"""The courses of the exchanges, one move per line; a bar separates alternative moves."""
 
 
 def order(*rooms: int) -> RoomSequence:

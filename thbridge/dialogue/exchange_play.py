@@ -102,7 +102,7 @@ class CourseFollower:
         side: the side that it plays.
         seed: random seed for the choice among moves that the example allows.
         strategy: chooses moves that the course does not determine. Without a course, a dialogue is opened with the
-            first possible move. If None, nothing is done in these cases.
+            first possible move. If None, the program does nothing in these cases.
     """
 
     exchange: Exchange
@@ -113,7 +113,7 @@ class CourseFollower:
 
     def choose(self, conversation: Conversation, possible: tuple[ExchangeAct, ...]) -> ExchangeAct | None:
         """Return one of the possible acts, or None if none of them fits the course."""
-        # If a move and an opening have the same text, the move is meant.
+        # If a move and an opening have the same text, the text means the move.
         by_text = {str(act.move): act for act in reversed(possible)}
         course = self.exchange.course
         for at in range(self._next, len(course)):

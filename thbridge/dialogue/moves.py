@@ -1,7 +1,7 @@
 """Values of a dialogue: topic, moves, turns, utterances.
 
 A dialogue's public record (`Dialogue`) is its topic and its moves. Everything else (turn, legal moves, sentences,
-outcome) is computed from the record. If robots argue, the beliefs of both sides are kept next to it.
+outcome) is computed from the record. If robots argue, the beliefs of both sides are stored with the record.
 
 A new kind of dialogue adds its moves to `Move`, and needs an engine for these moves.
 """
@@ -42,7 +42,7 @@ class Speaker(StrEnum):
 
 
 class Author(StrEnum):
-    """Author of a move, who decided on it."""
+    """Author of a move: the person or program that decided on the move."""
 
     ROBOT = "robot"
     """The robot's strategy."""
@@ -75,7 +75,7 @@ class DialogueTopic:
         other_robot: the other robot that could reach the room for the least energy; None if there is none.
         properties: known properties of the treasure there.
         reason: reason for the robot's suggestion, as part of a sentence; empty without a suggestion.
-        confidence: confidence stated in its suggestion, 0 to 1; None if it states none.
+        confidence: confidence that the robot states in its suggestion, 0 to 1; None if it states no confidence.
         facts: the robot's facts for arguments; None if robots do not argue.
         opener: the side that opens the dialogue; a robot can suggest a room without a request.
         name: proposed name of the treasure; empty if there is none.
@@ -105,7 +105,7 @@ class Ask:
 
 @dataclass(frozen=True, slots=True)
 class Continue:
-    """The person agrees so far."""
+    """The person agrees to continue."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +137,7 @@ class CloseQuestions:
 
 @dataclass(frozen=True, slots=True)
 class Enquire:
-    """The person asks a question; `about` is the literal concerned, or None."""
+    """The person asks a question; `about` is the literal in question, or None."""
 
     question: Question
     about: Literal | None = None
@@ -275,8 +275,8 @@ class Turn:
         speaker: the side that made it.
         move: the move.
         author: author of the move.
-        text: sentence that replaces the usual sentence for the move; if empty, the usual one is said.
-        said: the move that the person really made, if the robot understood another move. If None, it understood
+        text: sentence that replaces the usual sentence for the move; if empty, the usual sentence is said.
+        said: the move that the person really made, if the robot understood another move. If None, the robot understood
             correctly.
         fault: reason why the robot's own strategy chose the move instead of the installed strategy; empty otherwise.
     """
@@ -315,7 +315,7 @@ class OfferedSentence:
 
     Attributes:
         sentence: the usual sentence for the move.
-        offered: sentence that the author offered; None if it offered none.
+        offered: sentence that the author offered; None if the author offered no sentence.
         refused: reason why the offer was refused, for programs; empty if the offer was accepted, or there was no offer.
         why: the same reason for people.
     """
@@ -343,9 +343,9 @@ class DialogueUtterance:
         move: the move.
         text: the sentence.
         topic: topic of the dialogue.
-        formal: moves in dialogue games that the utterance made, with the moves that followed automatically.
-        heard: sentence of the move that the robot understood instead; empty if it understood correctly.
-        conversation: statements and beliefs of both sides after it, if robots argue.
+        formal: moves in dialogue games that the utterance made, and the moves that followed automatically.
+        heard: sentence of the move that the robot understood instead; empty if the robot understood correctly.
+        conversation: statements and beliefs of both sides after the utterance, if robots argue.
         fault: as in `Turn`.
         authored: request to another author of sentences, with its offer; None if there is no such author.
     """

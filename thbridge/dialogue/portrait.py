@@ -21,7 +21,7 @@ from thbridge.json_text import json_of
 MOST_ARGUMENTS = 40
 """Largest number of arguments in a portrait."""
 MOST_KEPT = 400
-"""Largest number of beliefs, moves of a store, or games in a portrait; beyond it, only the latest are kept."""
+"""Largest number of beliefs, moves of a store, or games in a portrait; if there are more, only the latest are kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ class PortrayedGame:
         game: name of the game.
         topic: topic of the game.
         opener: the side that opened the game.
-        end: its end; empty while it continues.
+        end: end of the game; empty while the game continues.
     """
 
     number: int
@@ -69,7 +69,7 @@ class PortrayedArgument:
     Attributes:
         support: beliefs on which the argument rests.
         conclusion: the conclusion.
-        sides: the sides that hold all of its support, "robot" or "human", as far as the robot knows.
+        sides: the sides that hold the complete support, "robot" or "human", as far as the robot knows.
     """
 
     support: tuple[str, ...]
@@ -85,10 +85,10 @@ class DialoguePortrait:
         games: dialogue games of the present situation, in order of opening.
         sigma: beliefs of the robot (Sigma).
         rules: rules that the robot holds, without rules of the language.
-        held: literals that it takes the person to hold (Gamma(H)).
-        unknown: propositions about which it takes the person to know nothing.
-        argued: conclusions for which it takes the person to have an argument.
-        robot_store: moves in its commitment store, oldest first.
+        held: literals that the robot takes the person to hold (Gamma(H)).
+        unknown: propositions about which the robot takes the person to know nothing.
+        argued: conclusions for which the robot takes the person to have an argument.
+        robot_store: moves in the robot's commitment store, oldest first.
         human_store: moves in the person's commitment store.
         arguments: arguments about the topics of the games and about its decisions, from its beliefs and the person's
             statements.
@@ -127,7 +127,7 @@ class DialoguePortrait:
 
 
 def read_portrait(text: str) -> DialoguePortrait:
-    """Return the portrait in a text from `json`. Raises ValueError for any other text."""
+    """Return the portrait that `json` has written as this text. Raises ValueError for any other text."""
     try:
         values = json_of(text)
         gamma, stores, arguments = values["gamma"], values["stores"], values["arguments"]

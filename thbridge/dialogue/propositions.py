@@ -73,8 +73,7 @@ class VisitOrder(HuntProposition):
 class RoomSequence(HuntProposition):
     """Rooms are visited in this order, each at its position.
 
-    Attributes:
-        rooms: at least two, in order.
+    Attributes: rooms: at least two rooms, in order.
     """
 
     predicate: ClassVar[str] = "tour"
@@ -403,7 +402,7 @@ class CouldBe(HuntProposition):
 
     Attributes:
         room: the room.
-        names: at least two, in alphabetical order.
+        names: at least two names, in alphabetical order.
     """
 
     predicate: ClassVar[str] = "could_be"

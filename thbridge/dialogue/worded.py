@@ -52,7 +52,7 @@ _UPSHOTS = {
 class WordedPhrasing:
     """Sentences for moves, from a language; see `Phrasing`.
 
-    The wording depends only on the seed, the dialogue, and the position of the move in it.
+    The wording depends only on the seed, the dialogue, and the position of the move in the dialogue.
 
     Attributes:
         language: the language.
@@ -87,7 +87,7 @@ class WordedPhrasing:
         return Wording(self.language, dialogue.topic.robot, self.names), chance
 
     def say(self, dialogue: Dialogue, move: Move, speaker: Speaker) -> str:
-        """Return the sentence for a move that is, or can be, the next in this dialogue."""
+        """Return the sentence for the next move, or a possible next move, of this dialogue."""
         words, chance = self._words(dialogue)
         side = Side.ROBOT if speaker is Speaker.ROBOT else Side.HUMAN
         match move:

@@ -262,6 +262,6 @@ def test_an_author_that_is_installed_is_checked(tmp_path: Path, monkeypatch: pyt
     assert told["ok"] and told["author"]["taken"] == told["author"]["sentences"] > 100
     refused = talk("check", "--author", "liar", "--conversations", 1, code=2)
     assert "liar: a sentence is refused (other-values) (" in refused and "it has to say, in this order: not" in refused
-    assert "gave different ones" in talk("check", "--author", "fickle", "--conversations", 1, code=2)
+    assert "gave different sentences" in talk("check", "--author", "fickle", "--conversations", 1, code=2)
     done = invoke("talk", "check", "--author", "lier")
     assert done.exit_code == 2 and "The nearest name is liar" in done.output

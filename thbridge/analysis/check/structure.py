@@ -63,7 +63,7 @@ def header_padding(bag: BagStructure) -> Iterator[Finding]:
             "`rosbag reindex` and appending would overwrite the first chunk"
         )
         yield Finding(
-            "header-padding", FindingSeverity.WARNING, (BagTool.ROSBAG,), None, problem, "run `thbridge bag cut` on the bag"
+            "header-padding", FindingSeverity.WARNING, (BagTool.ROSBAG,), None, problem, "run `thbridge bag cut`"
         )
 
 

@@ -14,7 +14,7 @@ from thbridge.dialogue.argumentation.propositions import Literal, Rule, consiste
 
 Belief = Literal | Rule
 Preference = Callable[["Argument", "Argument"], bool]
-"""True if the first argument is strictly better than the second, so that the second's attack on it fails."""
+"""True if the first argument is strictly better than the second argument, whose attack on the first then fails."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,7 @@ class Argument:
     """A conclusion and the beliefs on which it rests.
 
     Attributes:
-        support: beliefs; all of them are needed.
+        support: beliefs of the support; all of them are needed.
         conclusion: the conclusion from these beliefs.
     """
 
@@ -49,7 +49,7 @@ def arguments_for(
     Args:
         conclusion: conclusion of the arguments.
         literals: the believed literals.
-        rules: rules that are believed, or belong to the language; rules of the language are in no support.
+        rules: rules that are believed, or belong to the language; rules of the language are never part of a support.
         is_evidence: True for literals that support themselves, because they were sensed, computed or stated; not for
             decisions.
     """
@@ -64,7 +64,7 @@ def arguments_for(
             return
         if wanted in held and (above or is_evidence(wanted)):
             yield frozenset([wanted])
-        # A rule with premises that need the wanted literal would argue in a circle.
+        # A rule with premises that depend on the wanted literal would give a circular argument.
         below = above | {wanted}
         for rule in by_conclusion.get(wanted, ()):
             if not below & set(rule.premises):
@@ -116,7 +116,7 @@ def framework_of(
 
 
 def _derivation(conclusion: Belief) -> tuple[frozenset[Literal], Literal]:
-    """Return the granted literals, and the literal that a support derives with them. Literals need no granted ones."""
+    """Return the granted literals, and the literal that a support derives with them. Literals need none."""
     if isinstance(conclusion, Literal):
         return frozenset(), conclusion
     granted = frozenset(part for premise in conclusion.premises for part in (premise, *premise.parts))

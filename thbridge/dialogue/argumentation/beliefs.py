@@ -14,7 +14,7 @@ class Source(StrEnum):
 
     SENSED = "sensed"
     TOLD = "told"
-    """Stated by another agent, who may have seen more."""
+    """Stated by another agent, which may have seen more."""
     COMPUTED = "computed"
     """Computed from maps and plans, which contain no new observations."""
     WISHED = "wished"
@@ -32,7 +32,7 @@ class Origin:
     Attributes:
         source: kind of source of the belief.
         at: simulated time of the observation or computation, s.
-        confidence: confidence of the agent that sensed or computed it, 0 to 1.
+        confidence: confidence of the agent that sensed or computed the belief, 0 to 1.
     """
 
     source: Source
@@ -85,7 +85,7 @@ class Beliefs:
         return Stance.BELIEVES if yes else Stance.DISBELIEVES
 
     def is_undecided(self, proposition: Proposition) -> bool:
-        """Return True if neither a proposition nor anything opposed to it is held."""
+        """Return True if neither a proposition nor a literal opposed to it is held."""
         return self.stance(proposition) is Stance.UNKNOWN and Literal(proposition) not in self
 
     def arguments(self, conclusion: Belief) -> tuple[Argument, ...]:

@@ -17,7 +17,7 @@ class Stance(StrEnum):
 
 
 class DialogueKind(StrEnum):
-    """Kind of a dialogue (Walton and Krabbe 1995); agreement needs none."""
+    """Kind of a dialogue (Walton and Krabbe 1995); two sides that agree need no dialogue."""
 
     AGREEMENT = "agreement"
     PERSUASION = "persuasion"
@@ -56,7 +56,7 @@ def case_of_choices(robot: Iterable[str], human: Iterable[str], choices: Iterabl
     """Return the kind of dialogue that follows from two choices among the same things.
 
     A chosen thing is believed, and all other things are disbelieved; a side without a choice does not know. Choices
-    that agree only in part count as disagreement.
+    that agree only partly count as disagreement.
     """
     mine, theirs = frozenset(robot), frozenset(human)
     kinds = {case_of(_stance(mine, each), _stance(theirs, each)).kind for each in choices}

@@ -47,7 +47,7 @@ def legal_moves(framework: ArgumentationFramework, discussion: Discussion) -> tu
 
     Args:
         framework: the framework under discussion.
-        discussion: the moves so far; the first is HTB of the argument in question.
+        discussion: the moves so far; the first move is HTB of the argument in question.
     """
     position = _Position(framework)
     for move in discussion:
@@ -65,8 +65,8 @@ def discuss(framework: ArgumentationFramework, argument: str) -> Discussion:
     labels, steps = grounded_labels(framework), grounded_steps(framework)
 
     def rank(move: DiscussionMove) -> tuple[int, int]:
-        # The best moves of both sides are about grounded arguments, then about undecided ones. An argument does not
-        # depend on arguments that were grounded after it, so no statement has to be repeated.
+        # The best moves of both sides are about grounded arguments, then about undecided arguments. An argument does
+        # not depend on arguments that were grounded after it, so no statement has to be repeated.
         place = framework.index[move.argument]
         return (IN, UNDECIDED, OUT).index(labels[place]), steps[place] or 0
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Proposition:
-    """Something that holds or does not; each kind of proposition is a class with fields of its own."""
+    """Something that holds or does not; each kind of proposition is a class with its own fields."""
 
     def excludes(self, other: "Proposition") -> bool:
         """Return True if this and another proposition cannot both hold, such as two values of the same thing."""
@@ -13,7 +13,7 @@ class Proposition:
 
     @property
     def is_wish(self) -> bool:
-        """True if it only states a wish."""
+        """True if the proposition only states a wish."""
         return False
 
     @property
@@ -55,8 +55,7 @@ class Literal:
 class Conjunction(Proposition):
     """Several literals at once, such as an order of rooms; its opposite denies each of them (Sklar and Azhar 2015).
 
-    Attributes:
-        literals: at least two; none of them is a conjunction.
+    Attributes: literals: at least two literals; none of them is a conjunction.
     """
 
     literals: tuple[Literal, ...]

@@ -50,9 +50,10 @@ def grounded_labels(framework: ArgumentationFramework) -> list[int]:
 
 
 def grounded_steps(framework: ArgumentationFramework) -> list[int | None]:
-    """Return, for each index, the step in which the argument came in or was put out.
+    """Return, for the argument at each index, the step in which it was labeled in or out.
 
-    In step k, one argument comes in after k others, and puts out those that it attacks. Undecided arguments have None.
+    In step k, after k other arguments, one argument is labeled in; the arguments that it attacks are labeled out.
+    Undecided arguments have None.
     """
     return _grounded(framework)[1]
 
@@ -150,7 +151,7 @@ class _Search:
             if place is None:
                 yield may_be
                 continue
-            # The label pushed last is tried first. This order makes larger extensions come first.
+            # The label that was pushed last is tried first. This order makes larger extensions come first.
             for label in (UNDECIDED, OUT, IN):
                 if may_be[place] & label:
                     guess = list(may_be)

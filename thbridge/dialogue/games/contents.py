@@ -35,7 +35,7 @@ class TableWord(StrEnum):
 
 
 class ContentKind(TableWord):
-    """Kind of a content; files distinguish the forms of a locution by it."""
+    """Kind of a content; files use it to distinguish the forms of a locution."""
 
     LITERAL = "literal", "a proposition, or its negation"
     RULE = "rule", "a conclusion that follows from premises"
@@ -93,7 +93,7 @@ def matter_of(topic: Belief) -> Proposition:
 
 
 def opposite(content: Belief) -> Belief:
-    """Return the opposite of a literal. Raises ValueError for a rule, which has none."""
+    """Return the opposite of a literal. Raises ValueError for a rule, because rules have no opposite."""
     if isinstance(content, Rule):
         raise ValueError(f"a rule has no opposite: {content}")
     return ~content

@@ -48,10 +48,11 @@ class Conversation:
     Attributes:
         rulebook: locutions and games.
         agents: both sides.
-        plays: all dialogues, including ended ones, in order of opening.
+        plays: all dialogues, including ended dialogues, in order of opening.
         record: all utterances, in order.
         able: returns True if a side is assumed to be able to answer questions about a proposition.
-        since: number of dialogues that belong to a past situation; replies that were used up in them may be used again.
+        since: number of dialogues that belong to a past situation; replies that were used up in these dialogues may be
+            used again.
     """
 
     rulebook: Rulebook
@@ -62,7 +63,7 @@ class Conversation:
     since: int = 0
 
     def play(self, number: int) -> GamePlay:
-        """Return the dialogue with this number, from 1. Raises IllegalMoveError if there is none."""
+        """Return the dialogue with this number, from 1. Raises IllegalMoveError if it does not exist."""
         if not 0 < number <= len(self.plays):
             raise IllegalMoveError(f"there is no dialogue {number}")
         return self.plays[number - 1]
@@ -140,7 +141,7 @@ class Conversation:
         )
 
     def open(self, side: Side, opening: Opening, *, parent: int | None = None, at: float = 0.0) -> "Conversation":
-        """Return the conversation with a new dialogue. Raises IllegalMoveError if it is not legal.
+        """Return the conversation with a new dialogue. Raises IllegalMoveError if the opening is not legal.
 
         Args:
             side: the side that opens it.
@@ -245,7 +246,7 @@ class Conversation:
         return now._settled()
 
     def _settled(self) -> "Conversation":
-        """End each dialogue in which no move is left, which can result from utterances and observations elsewhere."""
+        """End each dialogue in which no move is left; utterances and observations elsewhere can have this effect."""
         for play in self.open_plays:
             if not self.waits(play.number) and not self._legal(play):
                 # Another dialogue that waited for it may also have no move left.
@@ -262,6 +263,6 @@ def _is_talked_over(open_plays: Iterable[GamePlay], topic: Belief) -> bool:
 
 
 def _said_inside(plays: Iterable[GamePlay], parent: int | None, side: Side) -> frozenset[DialogueMove]:
-    """Return a side's openings inside a dialogue; none may be repeated, so that the waiting dialogue ends."""
+    """Return a side's openings inside a dialogue; no opening may be repeated, so that the waiting dialogue ends."""
     inside = [play for play in plays if parent is not None and (play.parent, play.initiator) == (parent, side)]
     return frozenset(play.moves[0][1] for play in inside)

@@ -29,17 +29,17 @@ class GamePlay:
         topic: topic of the dialogue.
         initiator: the side that opened the dialogue.
         parent: number of the dialogue that waits for this dialogue; None if there is none.
-        questions_refusal: True if it asks whether the opposite of a support holds, after a refusal of the support in
-            its parent.
+        questions_refusal: True if the dialogue asks whether the opposite of a support holds, after a refusal of this
+            support in its parent.
         stage: name of the present state; after the end, of the last state.
         claim: the defended claim; None before there is one.
         defender: the side that defends it.
         offered: stated support of the claim, in order.
-        argument: the argument that was stated as a whole; None without one.
+        argument: the argument that was stated as a whole; None if there is none.
         moves: all moves so far, with their speakers.
         barred: openings, each with a reply that an earlier dialogue has used up.
-        resumes: name of the state in which it resumes if the refusal that ended it is questioned. If None, the refusal
-            cannot be questioned.
+        resumes: name of the state in which the dialogue resumes if the refusal that ended it is questioned. If None,
+            the refusal cannot be questioned.
         put_off: the end that a refusal causes, while this end is postponed. The end is postponed from the question
             about the refusal until another move is made.
         end: end of the dialogue; None while the dialogue continues.
@@ -82,7 +82,7 @@ class GamePlay:
 
     @property
     def in_question(self) -> Literal | None:
-        """Opposite of the support that was refused at the end, about which the defender may ask; None without one."""
+        """Opposite of the support that was refused at the end, about which the defender may ask, or None."""
         refused = self.offered[-1] if self.resumes is not None and self.offered else None
         return ~refused if isinstance(refused, Literal) else None
 
@@ -135,7 +135,7 @@ def legal_replies(play: GamePlay, agents: Agents, rulebook: Rulebook, able: Able
 
 
 def is_last_support(play: GamePlay, agents: Agents, support: Belief | None = None) -> bool:
-    """Return True if the claim needs no more support after `support`; None means that no support is added."""
+    """Return True if the claim needs no more support after `support`. If None, no support is added."""
     offered = play.offered if support is None else (*play.offered, support)
     return any(not due for _, due in _cases_made(replace(play, offered=offered), agents))
 
@@ -146,13 +146,13 @@ class GameUtterance:
 
     Attributes:
         dialogue: number of the dialogue.
-        parent: number of the dialogue that waits for it; None if there is none.
+        parent: number of the dialogue that waits for this dialogue; None if there is none.
         index: index of the move in the dialogue, from 0.
-        side: the side that made it.
+        side: the side that made the move.
         move: the move.
-        before: name of the state before it.
-        after: name of the state, or the end, after it.
-        is_booked: True if it followed automatically, such as accepting a claim with the last part of its support.
+        before: name of the state before the move.
+        after: name of the state after the move, or of the end.
+        is_booked: True if the move followed automatically, such as accepting a claim with the last part of its support.
     """
 
     dialogue: int

@@ -1,6 +1,6 @@
 """Locutions: their conditions and their effects (Sklar and Azhar 2015, figure 4).
 
-A locution is data: names of conditions and effects. The tables of this module give the meanings of these names.
+A locution is data: names of conditions and effects. The tables of this module define the meanings of these names.
 Conditions on the speaker's own beliefs apply only to programs, because the beliefs of a person are unknown.
 """
 
@@ -41,7 +41,7 @@ class Locution:
 
     @property
     def makes_claim(self) -> bool:
-        """True if the speaker has to defend its content from then on."""
+        """True if the speaker has to defend the content after the move."""
         return "claimed" in self.after
 
 
@@ -289,4 +289,4 @@ EFFECTS: Mapping[str, Postcondition] = {
         "both sides learn the rule, and the conclusions from their beliefs", _concludes, frozenset({ContentKind.RULE})
     ),
 }
-"""Effects by name, in addition to that of all locutions: the content enters the speaker's commitment store."""
+"""Effects by name. In addition, the content of every locution enters the speaker's commitment store."""

@@ -1,4 +1,4 @@
-"""Positions that plays of a game can reach according to its table, to check a table before it is played."""
+"""Positions that a game can reach according to its table, for checks of a table before it is used."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -7,7 +7,7 @@ from thbridge.dialogue.games.locutions import Locution
 from thbridge.dialogue.games.tables import GameRole, GameTable, Reply, Slot
 
 FormOf = Callable[[Reply], Locution]
-"""Returns the form of a reply's locution for the content of its slot."""
+"""Function that returns the form of a reply's locution for the content of its slot."""
 
 
 @dataclass(frozen=True, slots=True)

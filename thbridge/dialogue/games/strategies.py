@@ -44,9 +44,9 @@ class ArguingStrategy:
 
     Attributes:
         attitude: attitude to statements of the other side.
-        persistence: number of dialogues about the same claim in which it maintains its position; with 0, it gives in at
-            once.
-        announces: True if it states its whole argument before its parts one by one.
+        persistence: number of dialogues about the same claim in which it maintains its position; with 0, the program
+            gives in at once.
+        announces: True if the program states the whole argument before its single parts.
     """
 
     attitude: Attitude = Attitude.CAUTIOUS
@@ -102,7 +102,7 @@ class ArguingStrategy:
                 return content in own or bool(_standing(own, content)[0])
             return self.attitude is Attitude.CREDULOUS or not (against or denied)
         if self.attitude is Attitude.CAUTIOUS:
-            # It asks for a missing reason, unless it has its own argument.
+            # The program asks for a missing reason, unless it has an argument of its own.
             return bool(for_it) and not against
         return bool(for_it) if self.attitude is Attitude.SCEPTICAL else not against
 

@@ -50,7 +50,7 @@ class Reply:
         locution: name of the locution.
         slot: content of the reply.
         next: name of the next state, or of the end.
-        last: name of the next state, or of the end, if the listener already has all support. If None, it is `next`.
+        last: name of the next state, or of the end, if the listener already has all support. If None, `next` is used.
         questioned: only for a refusal of support, which ends the game. If the defender questions the refusal, the game
             continues in the state of this name. If None, the refusal cannot be questioned.
     """
@@ -119,7 +119,7 @@ class Rulebook:
         return {(each.name, each.content, each.of): each for each in self.locutions}
 
     def locution(self, name: str, content: Content, slot: Slot | None = None) -> Locution | None:
-        """Return the form of a locution for a content in a slot, or None if it has none."""
+        """Return the form of a locution for a content in a slot, or None if there is none."""
         kind = kind_of_content(content)
         return self._forms.get((name, kind, slot)) or self._forms.get((name, kind, None))
 

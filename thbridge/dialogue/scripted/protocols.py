@@ -19,7 +19,7 @@ class DialogueProtocol(Protocol):
         ...
 
     def legal(self, dialogue: Dialogue) -> tuple[Move, ...]:
-        """Return that side's legal moves, at least one, most agreeable first, while the dialogue continues."""
+        """Return the legal moves of the side whose turn it is: at least one, most agreeable first."""
         ...
 
 

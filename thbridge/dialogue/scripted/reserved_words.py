@@ -111,7 +111,7 @@ def fill_known(wording: str, words: Mapping[str, str], texts: Texts) -> str:
 
 
 def words_of(topic: DialogueTopic, texts: Texts, properties: Sequence[TreasureProperty] = ()) -> dict[str, str]:
-    """Return the values of the reserved words that have one, for use within a sentence.
+    """Return the values of reserved words, for use within a sentence; words without a value are missing.
 
     Args:
         topic: topic of the dialogue.

@@ -49,9 +49,9 @@ class TemplatePhrasing:
     """Sentences for moves, from a template.
 
     The wording of a question depends only on the seed, the dialogue's number and the question. So other dialogues do
-    not change it, and a restored dialogue has the same sentences. A wording that contains an unknown value is left out
-    if there is another wording. If a confidence must be stated and the wording does not contain it, an extra sentence
-    before the wording states the confidence.
+    not change the wording, and a restored dialogue has the same sentences. A wording that contains an unknown value is
+    left out if there is another wording. If a confidence must be stated and the wording does not contain it, an extra
+    sentence before the wording states the confidence.
 
     Attributes:
         template: the questions.

@@ -21,7 +21,7 @@ from thbridge.dialogue.wording.language import Language
 from thbridge.dialogue.wording.wording import Wording
 
 _REMEDIES = {
-    RefusalReason.AUTHOR_FAILED: "Correct it for this sentence, or let it return None there",
+    RefusalReason.AUTHOR_FAILED: "Correct the author for this sentence, or let it return None for it",
     RefusalReason.NO_TEXT: "Let it return a text, or None to keep the sentence of the files",
     RefusalReason.NOT_PRINTABLE: "Let it return one line of printable characters",
     RefusalReason.TOO_LONG: "Let it return a shorter sentence",
@@ -55,7 +55,7 @@ class AuthorTrial:
             self._note(problem, _REMEDIES[reason], (files, *(() if first.offered is None else (offered, why))))
         elif (first.offered, first.refusal) != (again.offered, again.refusal):
             remedy = "Let it depend only on its request; otherwise games cannot be replayed"
-            problem = "two requests for the same sentence gave different ones"
+            problem = "two requests for the same sentence gave different sentences"
             self._note(problem, remedy, (files, offered, f"The second time it offered: {again.offered}"))
         else:
             self.taken += first.offered is not None

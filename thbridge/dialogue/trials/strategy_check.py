@@ -59,11 +59,11 @@ class StrategyTrial:
         return _OnTrial(self, manner, seed)
 
     def choose(self, manner: Manner, seed: int, conversation: Conversation, number: int) -> DialogueMove:
-        """Return the strategy's move, or the built-in strategy's if it fails."""
+        """Return the strategy's move, or the built-in strategy's move if the strategy fails."""
         self.moves += 1
         first, again = (choose_by(self.factory, manner, seed, conversation, number) for _ in range(2))
         if fault := first.fault or again.fault:
-            remedy = "Correct it for the position below: it must return one of conversation.legal(number)"
+            remedy = "Correct the strategy for the position below: it must return one of conversation.legal(number)"
             self._note(fault, remedy, _position(conversation, number))
         elif first != again:
             remedy = "Let it depend only on manner, seed and conversation: keep no state, draw with the seed, sort sets"

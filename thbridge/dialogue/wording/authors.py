@@ -29,7 +29,7 @@ LONGEST_OFFERED = 2000
 _DENIED = "not"
 _BREAK = ","
 _BREAKS = frozenset(",;:.!…–—")
-"""Characters that separate clauses: a negation before such a character does not apply after it."""
+"""Characters that separate clauses: a negation before one of these characters does not apply after it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class WordingRequest:
         language: name of the language.
         grammar: grammar of the language.
         literals: literals of the move.
-        sentence: sentence from the files, which is said if no better one is offered.
+        sentence: sentence from the files, which is said if no valid sentence is offered.
         known: names, for example of rooms and treasures; an offer may contain them only if `sentence` does.
     """
 
@@ -137,7 +137,8 @@ def request_of(
         speaker: the side that speaks.
         condition: condition of the study.
         `chance`: random number that chooses the wording from the files.
-        known: names that a sentence may contain only if that of the files does; names of rooms are always known.
+        known: names that an offer may contain only if the sentence from the files does; names of rooms are always
+            known.
     """
     literals = tuple(_literals_in(move.content))
     names = {*known, *wording.names.named.values(), *(name for each in literals for name in _names_in(wording, each))}
@@ -176,7 +177,7 @@ def judge_sentence(sentence: object, request: WordingRequest) -> SentenceRefusal
 
     Its numbers, names, negations and the words that the language declares as bound must be the same as in the files'
     sentence, in the same order: `100 is less than 1000` is not `1000 is less than 100`. Punctuation must separate
-    clauses where it does in the files' sentence. Nothing else of the meaning is checked.
+    clauses at the same places as in the files' sentence. Other parts of the meaning are not checked.
     """
     if not isinstance(sentence, str):
         return SentenceRefusal(RefusalReason.NO_TEXT, f"it is no text: a {type(sentence).__name__}")

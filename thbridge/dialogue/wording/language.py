@@ -34,8 +34,8 @@ class Grammar:
         many_rooms: any other number of rooms.
         between: text between two items of a list.
         between_clauses: text between two clauses, which may contain commas.
-        last_and: text before the last item, if all hold.
-        last_or: text before the last item, if one holds.
+        last_and: text before the last item, if all items hold.
+        last_or: text before the last item, if at least one item holds.
         rule: sentence for a rule, with the words `£premises£` and `£conclusion£`.
         decimal: sign before the decimals of a number.
         capital_after_colon: True if a sentence after a colon begins with a capital letter.
@@ -95,7 +95,7 @@ class PhraseWording:
     Attributes:
         of: name of the predicate.
         robot: robot that the proposition must be about. If None, the robot does not matter.
-        speaker: side to which the entry applies. If None, it applies to both sides.
+        speaker: side to which the entry applies. If None, the entry applies to both sides.
         yes: wordings for the proposition.
         no: wordings for its negation.
         simply_yes: wordings for the proposition in simpler words, which may leave values out. If empty, `yes` is used.
@@ -129,8 +129,8 @@ class MoveWording:
         move: name of the locution.
         content: kind of the move's content.
         speaker: the side that makes the move.
-        condition: condition of a study in which the entry applies. If None, it applies in all conditions.
-        of: predicate to which the entry applies. If None, it applies to all predicates.
+        condition: condition of a study in which the entry applies. If None, the entry applies in all conditions.
+        of: predicate to which the entry applies. If None, the entry applies to all predicates.
         holds: True for affirmed propositions only, False for negated ones only. If None, the entry applies to both.
         robot: robot that the proposition must be about. If None, the robot does not matter.
         say: the wordings, at least one.

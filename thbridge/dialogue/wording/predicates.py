@@ -90,7 +90,7 @@ class Predicate:
 
     @property
     def robot(self) -> str | None:
-        """Name of the field with the robot that it is about; None without one."""
+        """Name of the field with the robot that the proposition is about, or None."""
         return next((name for name, kind in self.values.items() if kind is ValueKind.ROBOT), None)
 
 

@@ -92,9 +92,9 @@ class Texts:
         return fill(self._form(key, count), self._words(values, count))
 
     def clause(self, key: str, *, count: int | None = None, **values: str | float | Room | NamedRoom) -> str:
-        """Return a text for use within a sentence: a value at its beginning gets no capital letter.
+        """Return a text for use within a sentence: a value at the beginning gets no capital letter.
 
-        Otherwise it is like `text`.
+        Otherwise this method is like `text`.
         """
         return fill(self._form(key, count), self._words(values, count), _WITHIN)
 
@@ -157,7 +157,7 @@ class Texts:
 
 
 def counted(number: float) -> int:
-    """Return a whole number with the same plural form as a number. Fractions have the plural form of several things."""
+    """Return a whole number with the same plural form as a number. Fractions have the plural form of 2."""
     return round(number) if round(number, 2).is_integer() else 2
 
 

@@ -27,10 +27,8 @@ _PICTURE = re.compile(r"image(\d+)")
 class Wording:
     """Words of a robot and a person in their dialogue.
 
-    Every move about propositions of the hunt has a sentence, and so has every line. If there are several wordings,
-    `chance`, a random number in [0, 1), chooses one.
-
-    Attributes:
+    Every move about propositions of the hunt has a sentence, and every line has a sentence. If there are several
+    wordings, `chance`, a random number in [0, 1), chooses one. Attributes:
         language: the language.
         robot: robot of the dialogue, as index in the team.
         names: names of the rooms.
@@ -220,7 +218,7 @@ class _Clauses:
         return {name: self.room("", room)} | {f"{each}_{name}": self.room(each, room) for each in PREPOSITIONS}
 
     def room(self, preposition: str, room: Room) -> str:
-        """Return a room, with its name, if any, after a preposition."""
+        """Return a room after a preposition, with the room's name if there is one."""
         grammar = self.wording.language.grammar
         if room.is_corridor:
             return grammar.corridor[preposition]
