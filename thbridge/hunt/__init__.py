@@ -1,1 +1,1 @@
-"""The game as values: rooms, treasures, costs, events, the state that results from them, and the rules."""
+"""The game as values: rooms, treasures, costs, events, the state after these events, and the rules."""

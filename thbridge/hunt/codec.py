@@ -1,10 +1,9 @@
-"""Events of a game as JSON, one line each, for the journal and for other programs.
+"""Events of a game as lines of JSON, for the journal and for other programs.
 
-Every line has the version of the format (`v`) and the kind of event (`event`). Rooms have the numbers for people, with
-0 for the corridor, because people read journals. Unknown fields are errors: if a program did not fully understand a
-journal, it would compute a wrong game from it. The properties of a treasure are fields next to its other fields, so
-their names must differ from those (`TAKEN`). The properties of 2016 are written without their declaration, as in old
-journals.
+Every line has the version of the format (`v`) and the kind of event (`event`). People read journals, so rooms have the
+numbers for people, with 0 for the corridor. Unknown fields are errors, because a program that does not understand all
+fields would compute a wrong game. Properties of a treasure are fields of the same object as its other fields, so their
+names must be different (`TAKEN`). The declaration of the properties of 2016 is omitted, as in old journals.
 """
 
 import json
@@ -25,11 +24,11 @@ VERSION = 1
 _OF_A_KIND = frozenset(TreasureKind.__dataclass_fields__) - {"properties"}
 _OF_A_SENSED = frozenset(TreasureSensed.__struct_fields__) - {"properties"} | {"event"}
 TAKEN = _OF_A_KIND.union({"v", "event"}, *(event.__struct_fields__ for event in get_args(Event)))
-"""Names that no property of a treasure may have: the fields of events, which are also columns of tables."""
+"""Names that properties of treasures must not have: names of event fields, which are columns of tables, too."""
 
 
 def to_json(event: JournalEntry) -> str:
-    """Return one line of ASCII without its line end. Raises ValueError if a number is NaN or infinite."""
+    """Return an event as a line of ASCII, without a line end. Raises ValueError if a number is NaN or infinite."""
     fields: dict[str, object] = msgspec.to_builtins(event, enc_hook=_encode_value)
     match event:
         case TreasureSensed():
@@ -47,19 +46,19 @@ def from_json(line: str) -> JournalEntry:
     """Return the event in a line from `to_json`.
 
     Raises:
-        ValueError: with a sentence about the fault: not JSON, another version, an unknown event or field, a missing
-            field, or a field with a wrong type or out of its range.
+        ValueError: the line is not JSON or has another version, an unknown event or field, a missing field, or a field
+            with a wrong type or value. The text describes the fault.
     """
-    # msgspec's decoder uses the last of two equal fields, and refuses lone surrogates, which names may contain.
+    # Do not use msgspec's decoder: it accepts repeated fields, and refuses lone surrogates, which names may contain.
     try:
         fields = json.loads(line, object_pairs_hook=_unique)
     except RecursionError:
-        raise ValueError("JSON nested too deeply") from None
+        raise ValueError("the JSON is nested too deeply") from None
     if not isinstance(fields, dict):
-        raise ValueError("expected a JSON object")
+        raise ValueError("the line is not a JSON object")
     version: object = fields.pop("v", None)
     if version != VERSION or not isinstance(version, int) or isinstance(version, bool):
-        raise ValueError(f"the format is version {version!r}, this program reads version {VERSION}")
+        raise ValueError(f"the line has version {version!r}, but this program reads version {VERSION}")
     if fields.get("event") == "sensed":
         fields = _gathered(fields, _OF_A_SENSED)
     treasures = fields.get("treasures")
@@ -75,12 +74,12 @@ def from_json(line: str) -> JournalEntry:
 
 
 def treasure_fields(kind: TreasureKind) -> dict[str, str | int | None]:
-    """Return a treasure as JSON fields."""
+    """Return the JSON fields of a treasure."""
     return {**kind.properties, "points": kind.points, "name": kind.name, "image": kind.image}
 
 
 def treasure_of(fields: Mapping[str, object]) -> TreasureKind:
-    """Return the treasure of the fields from `treasure_fields`. Raises ValueError for anything else."""
+    """Return the treasure with these JSON fields; see `treasure_fields`. Raises ValueError for invalid fields."""
     try:
         return msgspec.convert(_gathered(fields, _OF_A_KIND), TreasureKind)
     except msgspec.ValidationError as error:
@@ -88,12 +87,12 @@ def treasure_of(fields: Mapping[str, object]) -> TreasureKind:
 
 
 def kind_of(event_class: type[Event]) -> str:
-    """Return the kind of a class of events in recordings: its kind in journals, without hyphens."""
+    """Return the kind of an event class in recordings. This is its kind in journals without hyphens."""
     return str(event_class.__struct_config__.tag).replace("-", "")
 
 
 def _without_words(declared: TreasureProperty) -> dict[str, object]:
-    """Return the fields of a property's declaration, without the texts for participants."""
+    """Return the fields of a property's declaration without the texts for participants."""
     fields: dict[str, object] = msgspec.to_builtins(declared)
     del fields["words"]
     return fields
@@ -105,7 +104,7 @@ def _encode_value(value: object) -> object:
             return value.people
         case CostMatrix():
             return [[None if math.isinf(cost) else cost for cost in row] for row in value.rows]
-    raise NotImplementedError(f"no event holds a {type(value).__name__}")
+    raise NotImplementedError(f"events cannot contain a {type(value).__name__}")
 
 
 def _decode_value(kind: type, value: object) -> object:
@@ -114,13 +113,13 @@ def _decode_value(kind: type, value: object) -> object:
             return Room(msgspec.convert(value, int))
         rows = msgspec.convert(value, tuple[tuple[Number | None, ...], ...])
     except msgspec.ValidationError as error:
-        # msgspec adds the place in the line only to a ValueError.
+        # msgspec adds the path of the field only to a ValueError.
         raise ValueError(str(error)) from None
     return CostMatrix(tuple(tuple(math.inf if cost is None else cost for cost in row) for row in rows))
 
 
 def _spread(fields: Mapping[str, object]) -> dict[str, object]:
-    """Return the fields with each property as a field of its own."""
+    """Return the fields after replacing `properties` by one field for each property."""
     spread: dict[str, object] = {}
     for name, value in fields.items():
         spread.update(value if name == "properties" and isinstance(value, dict) else {name: value})
@@ -128,7 +127,7 @@ def _spread(fields: Mapping[str, object]) -> dict[str, object]:
 
 
 def _gathered(fields: Mapping[str, object], others: Collection[str]) -> dict[str, object]:
-    """Return the fields. Those that are not among `others` are collected as properties."""
+    """Return the fields named in `others`, and the field `properties` with all other fields."""
     properties = {name: value for name, value in fields.items() if name not in others}
     return {name: value for name, value in fields.items() if name in others} | {"properties": properties}
 
@@ -136,5 +135,5 @@ def _gathered(fields: Mapping[str, object], others: Collection[str]) -> dict[str
 def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
     fields = dict(pairs)
     if len(fields) != len(pairs):
-        raise ValueError("a field is given twice")
+        raise ValueError("a field occurs twice")
     return fields

@@ -6,21 +6,21 @@ from collections.abc import Sequence
 from thbridge.hunt.rooms import Room, all_rooms
 
 NOT_A_MOVE = 99.0
-"""Number in a cost file that means that there is no move."""
+"""Number in a cost file for a move that is not possible."""
 
 
 class CostMatrix:
-    """Energy from every place to every place; the game uses mean travel times in seconds as energy.
+    """Energy of the moves between all places. The game uses mean travel times in seconds as energy.
 
-    The matrix need not be symmetric. Staying is never a move, and going to the corridor is a move only if it has a
-    cost. This is no dataclass, for the reason given at `Room`.
+    The matrix may be asymmetric. Staying is never a move. Going to the corridor is a move only if it has a cost. This
+    class is no dataclass; see the reason at `Room`.
 
     Args:
-        rows: `rows[start][goal]`, indexed by the number for people (0 is the corridor); infinite if there is no move.
-            Square, at least 2 x 2, and no entry negative or NaN.
+        rows: `rows[start][goal]`, by the number for people (0 is the corridor). A cost is infinite if there is no move.
+            The matrix must be square, at least 2 x 2, without negative numbers and NaN.
 
     Raises:
-        ValueError: the rows are not such a matrix.
+        ValueError: the rows are not a valid matrix.
 
     Attributes:
         rooms: the rooms of the matrix, without the corridor.
@@ -31,22 +31,22 @@ class CostMatrix:
     def __init__(self, rows: tuple[tuple[float, ...], ...]) -> None:
         size = len(rows)
         if size < 2 or any(len(row) != size for row in rows):
-            raise ValueError("a cost matrix is square and has at least the corridor and one room")
-        # Written as a negation so that NaN, which compares false with everything, is refused too.
+            raise ValueError("a cost matrix must be square and must have the corridor and at least one room")
+        # With `not`, NaN is refused, too: all comparisons with NaN are false.
         if any(not cost >= 0.0 for row in rows for cost in row):
-            raise ValueError("a cost is a number that is not negative")
+            raise ValueError("a cost must be a number of 0 or more")
         self.rows = rows
         self.rooms = all_rooms(size - 1)
 
     @classmethod
     def of_map_times(cls, rows: tuple[tuple[float, ...], ...]) -> "CostMatrix":
-        """Return the matrix of the numbers in a `mapTimes` file; exactly 99 means that there is no move.
+        """Return the matrix for the numbers in a `mapTimes` file. The number 99 means that there is no move.
 
-        Numbers above 99 are normal costs, so that large maps can be written. Only a cost of exactly 99 cannot be
-        written; write 98 or 100. There is no move from a place to itself, whatever number the file has.
+        Numbers above 99 are normal costs, for large maps. For a cost of 99, the file must have 98 or 100. There is
+        never a move from a place to itself; the number in the file does not matter.
 
         Raises:
-            ValueError: the rows are not such a matrix.
+            ValueError: the rows are not a valid matrix.
         """
         return cls(
             tuple(
@@ -57,9 +57,10 @@ class CostMatrix:
 
     @classmethod
     def of_plain(cls, rows: Sequence[Sequence[float | None]]) -> "CostMatrix":
-        """Return the matrix of rows from JSON; None means that there is no move.
+        """Return the matrix for rows from JSON. None means that there is no move.
 
-        It raises ValueError as the class does.
+        Raises:
+            ValueError: the rows are not a valid matrix.
         """
         return cls(tuple(tuple(math.inf if cost is None else cost for cost in row) for row in rows))
 
@@ -68,7 +69,7 @@ class CostMatrix:
         return place.people < len(self.rows)
 
     def cost(self, start: Room, goal: Room) -> float:
-        """Return the energy from `start` to `goal`; infinite without a move. Raises IndexError for unknown places."""
+        """Return the energy from `start` to `goal`, infinite without a move. Raises IndexError for unknown places."""
         return self.rows[start.people][goal.people]
 
     def __eq__(self, other: object) -> bool:
@@ -82,5 +83,5 @@ class CostMatrix:
 
 
 def energy_text(energy: float) -> str:
-    """Return an amount of energy as text: `13`, `12.5`, `0.07`, never `13.0`."""
+    """Return an amount of energy as text, without trailing zeros: `13`, `12.5`, `0.07`."""
     return f"{energy:.2f}".rstrip("0").rstrip(".")

@@ -1,4 +1,4 @@
-"""Words for the recorded events of a game; the recordings themselves keep their codes and file names."""
+"""Words for people for the codes in recorded events of a game. Recordings contain only codes and file names."""
 
 from collections.abc import Mapping
 from typing import TypeGuard, get_args
@@ -12,27 +12,27 @@ ENDS = {
     EndReason.NO_MOVE_LEFT: "no robot has a move left",
     EndReason.GIVEN_UP: "the participant has ended it",
 }
-"""Reasons for the end of a game."""
+"""Words for the reasons for the end of a game."""
 
 _KINDS = {kind_of(event): str(event.__struct_config__.tag).replace("-", " ") for event in get_args(Event)}
 _WHOLE = {kind_of(HandbackRequested): "the participant asks for it"}
-"""Texts of events whose only field is the robot."""
+"""Texts for events whose only field is the robot."""
 _NOT_TOLD = frozenset({"v", "event", "robot", "room", "image"})
-"""Fields that are shown elsewhere, and the file of a picture."""
+"""Fields that the text omits: fields that are shown elsewhere, and the file of a picture."""
 
 
 def kind_in_words(kind: str) -> str:
-    """Return a recorded kind of event in words: `takenup` is `taken up`."""
+    """Return a recorded kind of event in words. For example, `takenup` becomes `taken up`."""
     return _KINDS.get(kind, kind)
 
 
 def event_in_words(kind: str, fields: Mapping[str, object], besides: str = "") -> str:
-    """Return the plain values among an event's fields: `name beer bottle, points -20`.
+    """Return the texts and numbers in an event's fields, for example `name beer bottle, points -20`.
 
     Args:
-        kind: the recorded kind.
-        fields: fields of the event's JSON.
-        besides: name of a field that is shown elsewhere.
+        kind: recorded kind of the event.
+        fields: JSON fields of the event.
+        besides: name of a further field to omit, because it is shown elsewhere.
     """
     parts = (
         f"{name.replace('_', ' ')} {_value_in_words(kind, name, value)}"
@@ -43,7 +43,7 @@ def event_in_words(kind: str, fields: Mapping[str, object], besides: str = "") -
 
 
 def _value_in_words(kind: str, name: str, value: str | float) -> str:
-    """Return a value for use in a list: a sentence without its full stop, a number with at most six digits."""
+    """Return a value for a list in a sentence: a text without final periods, or a number with at most six digits."""
     if not isinstance(value, str):
         return f"{value:g}"
     match kind, name:

@@ -1,4 +1,4 @@
-"""Events of a game. Its events, in order, describe a game completely."""
+"""Events of a game. All events in order are a complete description of a game."""
 
 import sys
 from enum import StrEnum
@@ -24,9 +24,9 @@ class EndReason(StrEnum):
 
 
 class Condition(StrEnum):
-    """Condition of a robot, as SimR reports it.
+    """Condition of a robot, from SimR's reports.
 
-    A lost robot does not know its pose; a silent one does not respond, so it may be dead or out of reach.
+    A lost robot does not know its pose. A silent robot does not respond, so it may be dead or out of radio range.
     """
 
     WELL = "well"
@@ -35,10 +35,10 @@ class Condition(StrEnum):
 
 
 class Commander(StrEnum):
-    """Commander of a robot: the participant, unless another party has taken command.
+    """Commander of a robot: the participant, or another party that has taken command.
 
-    A ground station commands a robot until the station gives it back. A researcher or an outside program commands a
-    robot while their goal or manual driving lasts, whichever party commanded it before.
+    A ground station commands a robot until the station gives the robot back. A researcher or an external program
+    commands a robot during their goal or manual drive; then the earlier commander commands it again.
     """
 
     PARTICIPANT = "participant"
@@ -47,22 +47,22 @@ class Commander(StrEnum):
 
 
 class _Event(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="event"):
-    """Base of the events; the tag of each is its kind in journals and recordings."""
+    """Base class of events. The tag of an event class is its kind in journals and recordings."""
 
 
 class GameStarted(_Event, frozen=True, tag="started"):
-    """A new game: its rules and its numbers. Every robot starts in the corridor.
+    """A new game has started, with these rules and numbers. Every robot starts in the corridor.
 
     Attributes:
-        seed: random seed of this game.
+        seed: random seed of the game.
         game: number of the game, from 1, unique in a journal folder.
-        robots: size of the team; events refer to a robot by its index, from 0, as the text protocol does.
+        robots: number of robots. Events refer to a robot by its index from 0, as in the text protocol.
         energy: energy of each robot at the start.
         picture_cost: energy of the first picture in a room.
-        identify_cost: energy of identifying a treasure.
-        wrong_share: share of a treasure's points that a wrong name costs; 1 is the rule of 2016.
-        costs: energy of every move; its size is the number of rooms plus 1.
-        properties: properties of its treasures.
+        identify_cost: energy of naming a treasure.
+        wrong_share: points that a wrong name costs, as a share of the treasure's points. In 2016, the share was 1.
+        costs: energy of every move. The size of the matrix is the number of rooms plus 1.
+        properties: properties of the treasures.
 
     Raises:
         ValueError: the team has no robots, or a number is negative.
@@ -80,20 +80,20 @@ class GameStarted(_Event, frozen=True, tag="started"):
 
     def __post_init__(self) -> None:
         if self.robots < 1:
-            raise ValueError("a team has at least one robot")
-        # `not ... >= 0` also refuses NaN.
+            raise ValueError("a team must have at least one robot")
+        # With `not`, NaN is refused, too.
         if not min(self.energy, self.picture_cost, self.identify_cost, self.wrong_share) >= 0.0:
-            raise ValueError("energy, costs and the share of a wrong answer are numbers that are not negative")
+            raise ValueError("energy, costs and the share for a wrong name must be numbers of 0 or more")
 
 
 class TreasuresHidden(_Event, frozen=True, tag="hidden"):
-    """The treasures were hidden, one per room, room 1 first. The participant never sees this."""
+    """The treasures were hidden, one per room, in the order of the rooms. The participant never sees this event."""
 
     treasures: tuple[TreasureKind, ...]
 
 
 class ConsentGiven(_Event, frozen=True, omit_defaults=True, tag="agreed"):
-    """The participant agreed to take part in the study. Recorded again in each later game of the same keeper.
+    """The participant agreed to take part in the study. Each later game of the same keeper has this event, too.
 
     Attributes:
         at: date and time of the agreement, as in `GiveConsent.at`.
@@ -103,17 +103,17 @@ class ConsentGiven(_Event, frozen=True, omit_defaults=True, tag="agreed"):
 
 
 class RoomAdvised(_Event, frozen=True, tag="advised"):
-    """A robot, or a wizard in its place, suggested a room to a participant who did not know where to go.
+    """A robot, or a wizard in its place, suggested a room to the participant.
 
-    The participant receives the room and the robot's reason, but not whether the advice is wrong.
+    The participant sees the room and the robot's reason, but not `erred`.
 
     Attributes:
-        robot: index in the team, from 0.
+        robot: index of the robot, from 0.
         room: the suggested room.
-        advice: number of the robot's advice in this game, from 1. Older releases recorded a repeated advice again.
-        planned: the room that the robot's planner chose. A wizard can have suggested another one.
-        `erred`: True if the robot suggested another room than planned, because the study makes it give wrong advice.
-        confidence: confidence that the robot stated, 0 to 1; None if it stated none.
+        advice: number of the robot's advice in this game, from 1. Older releases recorded repeated advice again.
+        planned: the room that the robot's planner chose. A wizard may suggest another room.
+        `erred`: True if the robot suggested another room than planned, because the study includes wrong advice.
+        confidence: confidence that the robot stated, 0 to 1, or None if it stated no confidence.
     """
 
     robot: int
@@ -125,7 +125,7 @@ class RoomAdvised(_Event, frozen=True, tag="advised"):
 
 
 class RobotDeparted(_Event, frozen=True, tag="departed"):
-    """A robot set out for a room, which is reserved from now on; the energy is paid in advance."""
+    """A robot started to drive to a room. The room is now reserved. The robot has paid the energy in advance."""
 
     robot: int
     room: Room
@@ -133,21 +133,21 @@ class RobotDeparted(_Event, frozen=True, tag="departed"):
 
 
 class RobotArrived(_Event, frozen=True, tag="arrived"):
-    """A robot stands in a room, which counts as visited from now on."""
+    """A robot arrived in a room. The room now counts as visited."""
 
     robot: int
     room: Room
 
 
 class MoveFailed(_Event, frozen=True, tag="failed"):
-    """A robot did not reach its room, or was stopped; the room is free again.
+    """A robot did not reach its room, or was stopped. The room is no longer reserved.
 
     Attributes:
-        robot: index in the team, from 0.
+        robot: index of the robot, from 0.
         room: destination of the move.
-        reason: sentence for people from the navigator, or about the stop.
-        refund: energy given back.
-        at: place where it stands now; the cost of its next move is computed from there.
+        reason: sentence for people about the failure or the stop.
+        refund: refunded energy.
+        at: present place of the robot, from which the cost of its next move is computed.
     """
 
     robot: int
@@ -165,11 +165,11 @@ class ConditionChanged(_Event, frozen=True, tag="reported"):
 
 
 class CostsEstimated(_Event, frozen=True, tag="priced"):
-    """The costs of a robot's moves were estimated again, for a place that is not in the game's cost matrix.
+    """The costs of a robot's moves were estimated for a position that is not in the game's cost matrix.
 
     Attributes:
-        robot: index in the team, from 0.
-        costs: energy to each place, by the number for people; None if there is no move.
+        robot: index of the robot, from 0.
+        costs: energy to each place, by the number for people. None if there is no move.
     """
 
     robot: int
@@ -180,9 +180,10 @@ class CommanderChanged(_Event, frozen=True, tag="commanded"):
     """The commander of a robot has changed.
 
     Attributes:
-        robot: index in the team, from 0.
-        by: commander from now on.
-        name: name of the commander, for example "ground station 255" or a ROS node's name; empty for the participant.
+        robot: index of the robot, from 0.
+        by: new commander.
+        name: name of the commander, for example "ground station 255" or the name of a ROS node. Empty for the
+            participant.
     """
 
     robot: int
@@ -191,20 +192,20 @@ class CommanderChanged(_Event, frozen=True, tag="commanded"):
 
 
 class HandbackRequested(_Event, frozen=True, tag="asked-back"):
-    """The participant asks the commander of a robot to give it back; the commander decides."""
+    """The participant asked the commander of a robot to give the robot back. The commander decides."""
 
     robot: int
 
 
 class TreasureSensed(_Event, frozen=True, tag="sensed"):
-    """A robot found a treasure in a room, and sensed these properties at once."""
+    """A robot found the treasure in a room and sensed these properties at once."""
 
     room: Room
     properties: Properties
 
 
 class PropertyMeasured(_Event, frozen=True, tag="measured"):
-    """A robot sensed one more property of the treasure in a room, which cost energy."""
+    """A robot sensed a further property of the treasure in a room, for this energy."""
 
     room: Room
     robot: int
@@ -214,7 +215,7 @@ class PropertyMeasured(_Event, frozen=True, tag="measured"):
 
 
 class PropertyTold(_Event, frozen=True, tag="told"):
-    """The participant reported a property of the treasure in a room, as a person sees it."""
+    """The participant reported a visible property of the treasure in a room."""
 
     room: Room
     property: str
@@ -222,7 +223,7 @@ class PropertyTold(_Event, frozen=True, tag="told"):
 
 
 class TreasurePictured(_Event, frozen=True, tag="pictured"):
-    """A picture was taken; `image` is a file name without directory. The cost is 0 if the picture was shown again."""
+    """A picture was taken, or was shown again at a cost of 0. `image` is a file name without a directory."""
 
     room: Room
     robot: int
@@ -231,14 +232,14 @@ class TreasurePictured(_Event, frozen=True, tag="pictured"):
 
 
 class TreasureIdentified(_Event, frozen=True, tag="identified"):
-    """The treasure in a room was named; the points are negative if the name was wrong.
+    """The participant named the treasure in a room. The points are negative for a wrong name.
 
     Attributes:
-        room: the room; None if a program of 2016 sent only the points.
-        robot: the robot that stood there; None if the game knows of none.
-        name: the name that the participant gave; None if a program of 2016 sent only the points.
+        room: the room, or None if a program of 2016 sent only the points.
+        robot: index of the robot in the room, or None if the game has no robot there.
+        name: the participant's name for the treasure, or None if a program of 2016 sent only the points.
         points: points that are added to the score.
-        cost: energy paid by the robot.
+        cost: energy that the robot paid.
     """
 
     room: Room | None
@@ -255,34 +256,34 @@ class TreasureLeft(_Event, frozen=True, tag="left"):
 
 
 class TreasureTakenUp(_Event, frozen=True, tag="taken-up"):
-    """The participant took up again the treasure that was left in a room."""
+    """The participant returned to the treasure in a room that they had left undecided."""
 
     room: Room
 
 
 class GameEnded(_Event, frozen=True, tag="ended"):
-    """The game is over, with this score."""
+    """The game ended with this score."""
 
     reason: EndReason
     score: int
 
 
 class DialogueOpened(_Event, frozen=True, omit_defaults=True, tag="talk"):
-    """A robot and the participant have begun a dialogue about a decision.
+    """A robot and the participant started a dialogue about a decision.
 
-    Only journals have this event; it does not change the state of the game.
+    Only journals have this event. It does not change the state of the game.
 
     Attributes:
         dialogue: number of the dialogue in this game, from 1.
-        scenario: the decision.
-        robot: index in the team, from 0.
-        room: the room that the dialogue is about.
+        scenario: kind of the decision.
+        robot: index of the robot, from 0.
+        room: topic of the dialogue.
         at: simulated time, s.
         opener: the side that opens the dialogue.
-        advised: the room that the robot's planner chose; None if it chose none.
-        reason: reason for a suggestion, as part of a sentence.
-        confidence: confidence stated in a suggestion, 0 to 1; None if none was stated.
-        name: proposed name of the treasure there; empty if there is none.
+        advised: the room that the robot's planner chose, or None.
+        reason: reason for a suggestion, as a part of a sentence.
+        confidence: stated confidence in a suggestion, 0 to 1, or None.
+        name: proposed name of the treasure in the room; empty if there is none.
     """
 
     dialogue: int
@@ -298,14 +299,14 @@ class DialogueOpened(_Event, frozen=True, omit_defaults=True, tag="talk"):
 
 
 class DialogueSaid(_Event, frozen=True, tag="said"):
-    """A robot or the participant has said something in a dialogue. Only journals have this event.
+    """A robot or the participant made a move in a dialogue. Only journals have this event.
 
     Attributes:
-        dialogue: number of the dialogue. If no dialogue of this number was opened, the sentence is an announcement.
+        dialogue: number of the dialogue. If no dialogue with this number was opened, the sentence is an announcement.
         turn: index of the move in the dialogue, from 0.
-        speaker: the side that said it.
+        speaker: side of the speaker.
         author: author of the move: robot, person or wizard.
-        move: the move, as `move_text` writes it.
+        move: the move, in the notation of `move_text`.
         text: the sentence.
     """
 
@@ -318,12 +319,12 @@ class DialogueSaid(_Event, frozen=True, tag="said"):
 
 
 class KeyUsed(_Event, frozen=True, tag="key"):
-    """A client joined or sent a request with a key. Only journals have this event.
+    """A client used a key to join or to send a request. Only journals have this event.
 
     Attributes:
         key: name of the key.
-        did: description of its use, for people.
-        run: unique name of this game; a participant's key is valid for one such game.
+        did: description of the use, for people.
+        run: unique name of this game. A participant's key is valid for only one game.
     """
 
     key: str
@@ -354,4 +355,4 @@ Event = (
 )
 
 JournalEntry = Event | DialogueOpened | DialogueSaid | KeyUsed
-"""Entries of a journal: the events of a game, the dialogues, and the uses of keys."""
+"""Entries of a journal: events of the game, dialogues, and uses of keys."""

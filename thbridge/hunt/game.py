@@ -1,18 +1,18 @@
-"""The state of a game, computed from its events.
+"""Computation of the state of a game from its events.
 
-`apply` does not judge events. `rules` decides which events may happen, and `apply` accepts those that did happen. So it
-also accepts events that programs of 2016 cause without the rules:
+`apply` does not check events. `rules` decides which events may happen, and `apply` accepts all events that happened. So
+it also accepts events that programs of 2016 cause without the rules:
 
-- `RobotArrived` without a `RobotDeparted` moves the robot and costs nothing; `rules.arrive` adds the missing departure.
+- `RobotArrived` without a `RobotDeparted` moves the robot without a cost; `rules.arrive` adds the missing departure.
 - `RobotArrived` in another room than the destination ends the move in progress and its reservation.
-- `MoveFailed` of a robot that is not moving places it and refunds nothing; no refund exceeds the price paid.
-- `TreasureSensed`, `PropertyMeasured`, `PropertyTold`, `TreasurePictured`, `TreasureIdentified` and `TreasureLeft` are
-  accepted for rooms where no robot ever arrived; the rooms stay unvisited.
-- `TreasureIdentified` can come without room, robot or name, more than once, or after `GameEnded`: the score is the sum
-  of all its points.
-- Energy can become negative by such events; the robot is then blocked as at 0.
+- `MoveFailed` of a robot that is not moving changes its place without a refund; a refund never exceeds the paid price.
+- `TreasureSensed`, `PropertyMeasured`, `PropertyTold`, `TreasurePictured`, `TreasureIdentified` and `TreasureLeft` may
+  be about rooms without an arrival of a robot; these rooms stay unvisited.
+- `TreasureIdentified` may have no room, robot or name, may be repeated, and may follow `GameEnded`; the score is the
+  sum of all points.
+  - These events may make energy negative; then the robot is blocked, as with an energy of 0.
 
-States are structs of msgspec, because `replace` is 25 times as fast for them as for dataclasses.
+States are structs of msgspec, because `replace` is 25 times as fast for structs as for dataclasses.
 """
 
 import math
@@ -54,7 +54,7 @@ _Part = TypeVar("_Part")
 
 
 class CommandHolder(msgspec.Struct, frozen=True):
-    """Commander of a robot; it has a name unless it is the participant."""
+    """Commander of a robot, and the commander's name. The participant has no name."""
 
     by: Commander = Commander.PARTICIPANT
     name: str = ""
@@ -64,18 +64,18 @@ class RobotState(msgspec.Struct, frozen=True):
     """One robot in the game.
 
     Attributes:
-        at: the place where it stands; during a move, the place it set out from.
-        energy: energy left; the departure takes the whole cost of a move.
+        at: present place of the robot; during a move, the start of the move.
+        energy: remaining energy. The complete cost of a move is subtracted at the departure.
         bound_for: destination of the current move, or None.
-        paid: price of the current move, the most that can be refunded.
+        paid: price of the current move, which is the largest possible refund.
         condition: the last reported condition.
-        holder: its commander, who commands it again after a researcher's intervention.
-        intervention: the researcher who intervenes now, or None.
-        asked_back: number of times the participant has asked its present commander to give it back.
-        advice: number of its latest advice in this game; 0 before the first.
-        failure: reason, for people, why the robot did not arrive on its last move; empty if it arrived.
-        costs: energy to each place from where it stands, by the number for people; during a move, from where it set
-            out. If None, the game's matrix has the costs.
+        holder: commander of the robot, also after the end of a researcher's intervention.
+        intervention: the researcher who intervenes at present, or None.
+        asked_back: number of times that the participant asked the present commander to give the robot back.
+        advice: number of the robot's latest advice in this game; 0 before the first advice.
+        failure: reason for people why the last move did not reach its room; empty if it did.
+        costs: energy to each place from the robot's present position, by the number for people; during a move, from the
+            start of the move. If None, the game's matrix has the costs.
     """
 
     at: Room
@@ -92,7 +92,7 @@ class RobotState(msgspec.Struct, frozen=True):
 
     @property
     def command(self) -> CommandHolder:
-        """Its present commander: the researcher who intervenes, or otherwise the holder."""
+        """Present commander of the robot: the intervening researcher, or otherwise the holder."""
         return self.intervention or self.holder
 
     @property
@@ -107,17 +107,17 @@ class RobotState(msgspec.Struct, frozen=True):
 
 
 class RoomState(msgspec.Struct, frozen=True):
-    """One room in the game.
+    """A room in the game.
 
     Attributes:
         visited: True if a robot has arrived there.
-        sensed: properties of its treasure that robots sensed, or None.
-        `told`: properties of its treasure that the participant reported.
-        image: file name of the picture taken, or None.
-        points: points won or lost by identifying; None before.
-        name: name given by identifying; None before, or if only the points are known.
-        left: True if the treasure was left undecided, and not taken up again.
-        finder: the robot that arrived there last, or None.
+        sensed: properties of the treasure that robots sensed, or None.
+        `told`: properties of the treasure that the participant reported.
+        image: file name of the picture, or None if no picture was taken.
+        points: points for the participant's name of the treasure, or None before.
+        name: the participant's name of the treasure, or None before. Also None if only the points are known.
+        left: True if the participant has left the treasure undecided.
+        finder: index of the robot that arrived in the room last, or None.
     """
 
     visited: bool = False
@@ -131,12 +131,12 @@ class RoomState(msgspec.Struct, frozen=True):
 
     @property
     def is_decided(self) -> bool:
-        """True if its treasure was identified or left."""
+        """True if the treasure was named or left."""
         return self.left or self.points is not None
 
     @property
     def known(self) -> Properties:
-        """Known properties of its treasure, from all sources."""
+        """Known properties of the treasure, from all sources."""
         return {**(self.sensed or {}), **self.told}
 
 
@@ -144,16 +144,16 @@ class GameState(msgspec.Struct, frozen=True):
     """The complete state that the rules need.
 
     Attributes:
-        started: the rules of this game.
-        treasures: treasures of the rooms, room 1 first; None if a Hider of 2016 hid them.
-        robots: robots by index.
-        rooms: indexed by the room's number in the text protocol; read with `room`.
-        score: sum of all identifications.
+        started: the rules and numbers of this game.
+        treasures: treasures of the rooms, in the order of the rooms. None if a Hider of 2016 hid them.
+        robots: robots, by index.
+        rooms: rooms, by their number in the text protocol. To read a room, use the method `room`.
+        score: total points of all named treasures.
         ended: the end of the game, or None.
-        agreed: True if the participant agreed to take part; only studies with consent use it.
-        agreed_at: date and time of that agreement; empty if unknown.
-        by_position: True if a move from outside the rooms is priced from the robot's position; the matrix's row for
-            the corridor is then not used.
+        agreed: True if the participant agreed to take part. Only studies with consent use this value.
+        agreed_at: date and time of the agreement; empty if unknown.
+        by_position: True if the price of a move from outside the rooms depends on the robot's position. Then the
+            matrix's row for the corridor is not used.
     """
 
     started: GameStarted
@@ -171,7 +171,7 @@ class GameState(msgspec.Struct, frozen=True):
         return 0 <= robot < len(self.robots)
 
     def has_room(self, room: Room) -> bool:
-        """Return True if this is one of the game's rooms; the corridor is not."""
+        """Return True if this is one of the game's rooms. The corridor is no room."""
         return 0 < room.people <= len(self.rooms)
 
     def room(self, room: Room) -> RoomState:
@@ -183,23 +183,25 @@ class GameState(msgspec.Struct, frozen=True):
         return None if self.treasures is None else self.treasures[room.wire]
 
     def reserved_by(self, room: Room) -> int | None:
-        """Return the robot that drives to this room, or None."""
+        """Return the index of the robot that drives to this room, or None."""
         for number, robot in enumerate(self.robots):
             if robot.bound_for == room:
                 return number
         return None
 
     def standing_in(self, room: Room) -> int | None:
-        """Return the robot that stands in this room, or None; the lowest index if there are several."""
+        """Return the index of the robot in this room, or None. If there are several robots, return the lowest index."""
         for number, robot in enumerate(self.robots):
             if robot.bound_for is None and robot.at == room:
                 return number
         return None
 
     def decider(self, room: Room) -> int | None:
-        """Return the robot that may name the treasure of a room, or None.
+        """Return the index of the robot that may name the treasure in a room, or None.
 
-        It is the robot that stands there, or the one that found the treasure and was sent on before a decision."""
+        This is the robot in the room. If there is none, it is the robot that found the treasure and was sent to another
+        room before the decision.
+        """
         stander = self.standing_in(room)
         if stander is not None or not self.has_room(room):
             return stander
@@ -207,7 +209,7 @@ class GameState(msgspec.Struct, frozen=True):
         return known.finder if known.sensed is not None and not known.is_decided else None
 
     def costs_from(self, robot: int) -> tuple[float, ...]:
-        """Return the energy of a robot's moves from where it stands, by the number for people.
+        """Return the energy of a robot's moves from its present position, by the number of the goal for people.
 
         A cost is infinite if there is no move.
         """
@@ -215,12 +217,12 @@ class GameState(msgspec.Struct, frozen=True):
         return self.started.costs.rows[mover.at.people] if mover.costs is None else mover.costs
 
     def cost(self, robot: int, room: Room) -> float:
-        """Return the energy of a robot's move to a room; infinite if there is no path."""
+        """Return the energy of a robot's move to a room, infinite if there is no path."""
         return self.costs_from(robot)[room.people]
 
     @property
     def free_rooms(self) -> tuple[Room, ...]:
-        """Rooms that are neither visited nor reserved, by number; a robot may be sent to these."""
+        """Rooms that are neither visited nor reserved, ordered by number. Robots may be sent to these rooms."""
         reserved = [robot.bound_for.people for robot in self.robots if robot.bound_for is not None]
         rooms = zip(self.started.costs.rooms, self.rooms, strict=True)
         return tuple([room for room, state in rooms if not state.visited and room.people not in reserved])
@@ -237,11 +239,11 @@ def begin(started: GameStarted) -> GameState:
 
 
 def apply(state: GameState, event: Event) -> GameState:
-    """Return the state after an event; `GameStarted` begins a new game.
+    """Return the state after an event. `GameStarted` begins a new game.
 
     Raises:
-        ValueError: the event belongs to another game: its robot or room does not exist in this game, or its number of
-            treasures is not the number of rooms.
+        ValueError: the event is for another game: this game does not have its robot or room, or has another number of
+            rooms.
     """
     match event:
         case GameStarted():

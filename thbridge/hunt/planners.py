@@ -1,7 +1,7 @@
-"""Planners that decide which robot visits which room next: the joint plan, and simpler planners for comparison.
+"""Planners for the next rooms of a team: the joint plan, and simpler planners for comparison.
 
-All implement the interface `PlanTours`: they return a tour for each robot, within its energy, and no room is in two
-tours. A robot's next room is the first of its tour. `PLANNERS` is the table of planners.
+All planners implement the interface `PlanTours`: they return a tour for each robot within the robot's energy. No room
+is in two tours. A robot's next room is the first room of its tour. `PLANNERS` is the table of all planners.
 """
 
 import math
@@ -17,7 +17,7 @@ from thbridge.hunt.team_tour_search import search_team_tours
 from thbridge.hunt.tour import Tour
 
 PLANNING_ALONE = frozenset({TeamPlanner.NEAREST, TeamPlanner.TOUR})
-"""Planners by which a robot chooses its next room without regard to other robots."""
+"""Planners in which a robot chooses its next room without regard to other robots."""
 
 
 class PlanTours(Protocol):
@@ -34,11 +34,11 @@ class PlanTours(Protocol):
         """Return one tour per robot.
 
         Args:
-            costs: energy from room to room.
+            costs: energy of moves between rooms.
             starts: one start per robot.
-            unvisited: rooms still to visit, in any order.
-            visit: energy that a robot spends in each room before its next move; not part of a tour's cost.
-            sent: index of the robot that is about to be sent. Its tour has at least one room, if it can pay for any.
+            unvisited: rooms to visit, in any order.
+            visit: energy that a robot spends in each room before its next move. It is not part of a tour's cost.
+            sent: index of the robot that will be sent next. If it has energy for any room, its tour has at least one.
         """
         ...
 
@@ -46,7 +46,7 @@ class PlanTours(Protocol):
 def joint_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return the best tours of the team, or good tours if there are too many rooms for a full search.
+    """Return the best tours of the team. If there are too many rooms for a full search, return good tours.
 
     See `PlanTours`.
     """
@@ -58,14 +58,19 @@ def joint_tours(
 def searched_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return good tours of any number of rooms: nearly always the best ones, but without proof; see `PlanTours`."""
+    """Return good tours for any number of rooms. They are nearly always the best tours, without proof. See
+    `PlanTours`.
+    """
     return _sending(search_team_tours, costs, starts, unvisited, visit, sent)
 
 
 def tours_begun_with(
     costs: CostMatrix, starts: Sequence[TourStart], tours: Sequence[Tour], robot: int, room: Room, visit: float
 ) -> tuple[Tour, ...]:
-    """Return a plan's tours with a room put first in one robot's tour. Each tour ends where its energy ends."""
+    """Return the tours of a plan after moving a room to the start of one robot's tour.
+
+    Each tour is shortened to the robot's energy.
+    """
     orders = [[other for other in tour.rooms if other != room] for tour in tours]
     orders[robot].insert(0, room)
     return tuple(paid_tour(costs, start, order, visit) for start, order in zip(starts, orders, strict=True))
@@ -74,7 +79,7 @@ def tours_begun_with(
 def nearest_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return tours on which each robot always goes to its nearest room; see `PlanTours` and `_in_turns`."""
+    """Return tours in which each robot always drives to its nearest room; see `PlanTours` and `_in_turns`."""
 
     def nearest(start: TourStart, left: Collection[Room]) -> Room | None:
         payable = filter(start.can_pay, left)
@@ -86,9 +91,9 @@ def nearest_tours(
 def own_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return tours on which each robot plans for itself again before each move; see `PlanTours` and `_in_turns`.
+    """Return tours in which each robot plans its own tour before each move; see `PlanTours` and `_in_turns`.
 
-    If there are too many rooms for a full search, its own tour is good, but not proven to be the best.
+    If there are too many rooms for a full search, this tour is good, but not proven to be the best.
     """
 
     def first_of_tour(start: TourStart, left: Collection[Room]) -> Room | None:
@@ -102,7 +107,7 @@ def own_tours(
 def greedy_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return tours that grow by the cheapest next move of any robot; see `PlanTours`."""
+    """Return tours to which the cheapest next move of all robots is added repeatedly; see `PlanTours`."""
     return _sending(_grown_by_moves, costs, starts, unvisited, visit, sent)
 
 
@@ -111,9 +116,9 @@ def auction_tours(
 ) -> tuple[Tour, ...]:
     """Return the tours of a sequential single-item auction (Lagoudakis et al. 2005); see `PlanTours`.
 
-    In each round, every robot bids for every room left. Its bid is the energy that the room adds to its tour at the
-    cheapest position. The lowest bid wins its room. With this bidding rule, the auction is cheapest insertion for the
-    whole team.
+    In each round, every robot bids for every remaining room. A bid is the additional energy of the robot's tour with
+    the room at its cheapest position. The lowest bid wins the room. With these bids, the auction is the method of
+    cheapest insertion for the team.
     """
     return _sending(_grown_by_bids, costs, starts, unvisited, visit, sent)
 
@@ -138,10 +143,10 @@ def _in_turns(
     visit: float,
     sent: int,
 ) -> tuple[Tour, ...]:
-    """Return the tours of robots that choose their next rooms one after the other.
+    """Return the tours of robots that choose their next rooms in turn.
 
-    Costs are travel times, so the next robot is the one that has spent least on moves so far, as in the game. Among
-    robots that have spent the same, the robot to send comes first, then the one with the lowest number.
+    Costs are travel times. So the next robot is the robot with the least energy spent on moves, as in the game. If
+    several robots have spent the same energy, the robot to send is next, or else the robot with the lowest number.
     """
     here, orders = list(starts), [list[Room]() for _ in starts]
     spent, left, going = [0.0] * len(starts), set(unvisited), set(range(len(starts)))
@@ -166,8 +171,9 @@ def _sending(
     visit: float,
     sent: int,
 ) -> tuple[Tour, ...]:
-    """Return the tours of a plan. If the robot to send would stay, it goes to its nearest room, and the rest is planned
-    from there."""
+    """Return the tours of a plan. If the robot to send would stay, it drives to its nearest room, and all further moves
+    are planned from there.
+    """
     tours = plan(costs, starts, unvisited, visit)
     if sent < 0 or tours[sent].rooms:
         return tours
@@ -212,7 +218,7 @@ def _grown_by_bids(
 def _lowest_bid(
     costs: CostMatrix, start: TourStart, order: list[Room], left: Sequence[Room], visit: float
 ) -> tuple[float, list[Room]]:
-    """Return a robot's lowest bid, infinite if it can add no room, and its tour with the room of this bid."""
+    """Return a robot's lowest bid, and its tour with the room of this bid. The bid is infinite without a room."""
     lowest, best = math.inf, order
     rows = [start.costs, *(costs.rows[room.people] for room in order)]
     for room in left:

@@ -1,4 +1,4 @@
-"""Properties of treasures: their declaration in a set of treasures, and the words for their values."""
+"""Properties of treasures: their declarations in a set of treasures, and words for their values."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -7,7 +7,7 @@ from enum import StrEnum
 from typing import TypeAlias
 
 Properties: TypeAlias = Mapping[str, str]
-"""Values by the name of their property, in the order of the declaration."""
+"""Values of properties, by the property's name, in the order of the declarations."""
 
 
 class Teller(StrEnum):
@@ -18,7 +18,7 @@ class Teller(StrEnum):
 
 
 class PropertyDrawing(StrEnum):
-    """Drawing next to a value: a patch of that color, an outline of that shape (round or square), or none."""
+    """Drawing next to a value: none, a patch in this color, or an outline in this shape (round or square)."""
 
     NONE = "none"
     COLOUR = "colour"
@@ -27,21 +27,22 @@ class PropertyDrawing(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class TreasureProperty:
-    """Declaration of one property.
+    """Declaration of a property.
 
-    A robot senses a property without cost when it finds the treasure, and a property with a cost on request. A person
-    reports a property from the picture.
+    When a robot finds a treasure, it senses all properties without a cost. On request, it senses a property with a
+    cost. Other properties are reported by a person who sees the picture.
 
     Attributes:
-        name: name in files, recordings and between the pound signs of sentences: lower-case letters and underscores.
-        label: heading above a value, e.g. `Weight`.
-        values: all possible values, in their order; if empty, any text.
-        told_by: the side that can report it.
-        sensor: name of the robot's sensor, for people, e.g. `scale`; may be empty.
-        cost: energy of sensing it.
+        name: name in files, in recordings, and between the pound signs of sentences. It has lower-case letters and
+            underscores.
+        label: heading of the value, such as `Weight`.
+        values: all possible values, in order. If empty, any text is possible.
+        told_by: the side that can report the property.
+        sensor: name of the robot's sensor for people, such as `scale`. It may be empty.
+        cost: energy for sensing the property.
         drawn: drawing next to the value.
-        said: phrase about a treasure within a sentence, with the name between pound signs: `weighing £weight£`.
-        words: words for the values within a sentence, in the participant's language; not in recordings.
+        said: phrase about a treasure in a sentence, with the property's name between pound signs: `weighing £weight£`.
+        words: words for the values in a sentence, in the participant's language. They are not in recordings.
     """
 
     name: str
@@ -56,24 +57,24 @@ class TreasureProperty:
 
     @property
     def is_found(self) -> bool:
-        """True if a robot senses it when it finds a treasure."""
+        """True if a robot senses the property when it finds a treasure."""
         return self.told_by is Teller.ROBOT and self.cost == 0.0
 
     @property
     def is_measured(self) -> bool:
-        """True if a robot senses it on request, which costs energy."""
+        """True if a robot senses the property on request, for energy."""
         return self.told_by is Teller.ROBOT and self.cost > 0.0
 
     def shown(self, value: str) -> str:
-        """Return a value of it for display by itself."""
+        """Return the text of a value outside of sentences."""
         return self.words.get(value) or value
 
     def word(self, value: str) -> str:
-        """Return the word for a value of it within a sentence."""
+        """Return the word for a value in a sentence."""
         return self.words.get(value) or value_in_words(value)
 
     def phrase(self, value: str) -> str:
-        """Return the phrase for a value of it in a sentence about a treasure."""
+        """Return the phrase for a value in a sentence about a treasure."""
         return self.said.replace(f"£{self.name}£", self.word(value)) if self.said else self.word(value)
 
 
@@ -81,35 +82,35 @@ OF_2016 = (
     TreasureProperty("colour", "Colour", drawn=PropertyDrawing.COLOUR),
     TreasureProperty("footprint", "Footprint", drawn=PropertyDrawing.SHAPE),
 )
-"""Properties of 2016, for files and lines of 2016, which have these two and do not declare them."""
+"""The two properties in files and lines of 2016, which do not declare them."""
 
 
 def property_named(properties: Sequence[TreasureProperty], name: str) -> TreasureProperty | None:
-    """Return the property of this name, or None."""
+    """Return the property with this name, or None."""
     return next((each for each in properties if each.name == name), None)
 
 
 def value_in_words(value: str) -> str:
-    """Return a value for use within a sentence: plain words without their capitals, `Round` but not `USB`."""
+    """Return a value for a sentence: `Round` becomes `round`, but `USB` does not change."""
     return re.sub(r"\w\w+", lambda word: word[0].lower() if word[0].istitle() else word[0], value)
 
 
 def values_in_words(properties: Sequence[TreasureProperty], known: Properties) -> str:
-    """Return the known properties of a treasure for use within a sentence: `orange, round and large`."""
+    """Return the known properties of a treasure for a sentence: `orange, round, large`."""
     return ", ".join(each.phrase(known[each.name]) for each in properties if each.name in known)
 
 
 def properties_in_words(properties: Sequence[TreasureProperty], known: Properties) -> str:
-    """Return the known properties of a treasure in English: `something orange, round and large`."""
+    """Return an English phrase with the known properties of a treasure: `something orange, round, large`."""
     return f"something {values_in_words(properties, known)}".rstrip()
 
 
 def labelled(properties: Sequence[TreasureProperty], values: Properties) -> tuple[tuple[str, str], ...]:
-    """Return label and value of each property that a robot senses when it finds a treasure, as in lines of 2016."""
+    """Return the label and value of each property that a robot senses when it finds a treasure, as in lines of 2016."""
     return tuple((each.label, values[each.name]) for each in properties if each.is_found and each.name in values)
 
 
 def named_by_labels(properties: Sequence[TreasureProperty], senses: Sequence[tuple[str, str]]) -> Properties:
-    """Return the values in a line of 2016 by the names of their properties; unknown labels are left out."""
+    """Return the values in a line of 2016 by the names of their properties. Ignore unknown labels."""
     names = {each.label: each.name for each in properties}
     return {names[label]: value for label, value in senses if label in names}

@@ -1,16 +1,16 @@
-"""Refusals as values: game, tour planner and dialogue engine return them instead of exceptions."""
+"""Refusals. The game, the tour planner and the dialogue engine return refusals instead of raising exceptions."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class RequestRefused:
-    """A request that was understood but refused; it changed nothing.
+    """Refusal of a valid request. The state of the game did not change.
 
     Attributes:
-        reason: a stable code for programs and logs, e.g. `not-enough-energy`; each module that refuses requests lists
-            its own codes as a `StrEnum`.
-        sentence: the reason for people, a complete sentence that windows show unchanged.
+        reason: a stable code for programs and logs, such as `not-enough-energy`. Each module lists its codes in a
+            `StrEnum`.
+        sentence: complete sentence with the reason for people. Windows show this sentence.
     """
 
     reason: str

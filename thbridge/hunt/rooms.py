@@ -1,4 +1,4 @@
-"""Rooms: their numbers in the text protocol and for people, the only conversion between these, and their names."""
+"""Rooms: their names, their numbers for people and in the text protocol, and the conversion of these numbers."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -8,14 +8,15 @@ from typing import Self
 
 @total_ordering
 class Room:
-    """A place where a robot can stand: the corridor or a room. Rooms are ordered by their number for people.
+    """A place for robots: the corridor or a room. Rooms are ordered by their number for people.
 
-    For people, the corridor is 0 and the rooms count from 1; the rows and columns of the cost matrix are the same. The
-    text protocol counts rooms from 0 and has no number for the corridor. Only `of_wire` and `wire` convert between the
-    two. This is no dataclass, because msgspec would write one as an object, and JSON has the bare number.
+    For people, the corridor is 0, and rooms have numbers from 1. Rows and columns of the cost matrix have the same
+    numbers. In the text protocol, rooms have numbers from 0, and the corridor has no number. Only `of_wire` and `wire`
+    convert these numbers. The class is no dataclass, because msgspec would write an object into JSON instead of a
+    number.
 
     Args:
-        people: the number for people; 0 is the corridor.
+        people: the number for people. The corridor is 0.
 
     Raises:
         ValueError: the number is negative.
@@ -25,26 +26,26 @@ class Room:
 
     def __init__(self, people: int) -> None:
         if people < 0:
-            raise ValueError(f"there is no room {people}: rooms count from 1, the corridor is 0")
+            raise ValueError(f"there is no room {people}: rooms have numbers from 1, and the corridor is 0")
         self.people = people
 
     @classmethod
     def of_wire(cls, number: int) -> "Room":
-        """Return the room of a number in the text protocol; 0 is room 1. Raises ValueError below 0."""
+        """Return the room with a number in the text protocol. Number 0 is room 1. Raises ValueError below 0."""
         if number < 0:
-            raise ValueError(f"there is no room {number} on the wire: rooms count from 0 there")
+            raise ValueError(f"there is no room {number} in the text protocol: rooms have numbers from 0 there")
         return cls(number + 1)
 
     @property
     def is_corridor(self) -> bool:
-        """True for the corridor, where robots start and no treasure lies."""
+        """True for the corridor. Robots start in the corridor, and it has no treasure."""
         return self.people == 0
 
     @property
     def wire(self) -> int:
-        """Number in the text protocol. Raises ValueError for the corridor, which has none."""
+        """Number in the text protocol. Raises ValueError for the corridor, which has no number."""
         if self.people == 0:
-            raise ValueError("the corridor has no number on the wire")
+            raise ValueError("the corridor has no number in the text protocol")
         return self.people - 1
 
     def __eq__(self, other: object) -> bool:
@@ -73,29 +74,29 @@ def all_rooms(count: int) -> tuple[Room, ...]:
 
 @dataclass(frozen=True, slots=True)
 class RoomNames:
-    """Names of a map's rooms, which people read next to the numbers.
+    """Names of a map's rooms. People see them next to the numbers.
 
     Attributes:
-        named: by number, the name of each room that has a name of its own.
+        named: names of rooms, by the room's number. Rooms without their own name are not included.
     """
 
     named: Mapping[int, str] = field(default_factory=dict)
 
     @classmethod
     def of(cls, names: Iterable[tuple[int, str]]) -> Self:
-        """Keep the names with more information than the number; "Room 3" has none."""
+        """Return the names of rooms. Ignore a name that only repeats the number, such as "Room 3"."""
         return cls({room: name for room, name in names if _says_more(name, room)})
 
     def name(self, room: int | None) -> str:
-        """Return the room's own name; empty if it has none."""
+        """Return the room's own name, or an empty text if it has no name."""
         return "" if room is None else self.named.get(room, "")
 
     def numbered(self, room: int) -> str:
-        """Return the number with the name, if any: "3 (Kitchen)"."""
+        """Return the number, and the name if there is one: "3 (Kitchen)"."""
         return f"{room} ({self.named[room]})" if room in self.named else str(room)
 
     def titled(self, room: int) -> str:
-        """Return the room for use within a sentence: "room 3 (Kitchen)", "room 4", "the corridor"."""
+        """Return the words for the room in a sentence: "room 3 (Kitchen)", "room 4", "the corridor"."""
         return str(CORRIDOR) if room == CORRIDOR.people else f"room {self.numbered(room)}"
 
 

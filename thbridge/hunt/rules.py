@@ -1,6 +1,7 @@
-"""Rules of the game. Each rule takes the state and a request, and returns the resulting events or a refusal.
+"""Rules of the game. Each rule receives the state and a request, and returns the resulting events or a refusal.
 
-No rule changes the state; the caller applies the events (`game.apply`), journals them, and then asks `ending`.
+Rules do not change the state. The caller applies the events (`game.apply`), writes them into the journal, and then
+calls `ending`.
 """
 
 import math
@@ -37,11 +38,11 @@ from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.treasures import same_name
 
 MOST_ROBOTS = 250
-"""Largest size of a team: MAVLink uses system ids up to 250 for vehicles, and those above for ground stations."""
+"""Largest size of a team. In MAVLink, system ids up to 250 are for vehicles, and higher ids are for ground stations."""
 
 
 class RuleReason(StrEnum):
-    """Reason for which a rule refuses a request."""
+    """Reason why a rule refuses a request."""
 
     GAME_OVER = "game-over"
     UNKNOWN_ROBOT = "unknown-robot"
@@ -65,9 +66,9 @@ Ruling = tuple[Event, ...] | RequestRefused
 
 
 def command(state: GameState, robot: int, by: CommandHolder) -> Ruling:
-    """Give a robot to the participant or to a ground station; a researcher's intervention continues.
+    """Give the command of a robot to the participant or a ground station. A researcher's intervention continues.
 
-    Also allowed after the end of a game, because robots still drive and the game's result does not depend on it. A
+    This is also possible after the end of a game: robots can drive, and the result of the game does not change. A
     moving robot continues its move. A repeated request gives no event.
     """
     if not state.has_robot(robot):
@@ -80,7 +81,7 @@ def command(state: GameState, robot: int, by: CommandHolder) -> Ruling:
 
 
 def intervene(state: GameState, robot: int, researcher: str | None) -> Ruling:
-    """Begin the intervention of a researcher of this name; None ends it, and the holder commands the robot again.
+    """Start the intervention of the researcher with this name. If None, end it; the holder commands the robot again.
 
     A repeated request gives no event.
     """
@@ -94,7 +95,7 @@ def intervene(state: GameState, robot: int, researcher: str | None) -> Ruling:
 
 
 def request_handback(state: GameState, robot: int) -> Ruling:
-    """Ask another commander to give a robot back. If the participant commands it, there is no event."""
+    """Ask another commander to give a robot back. If the participant commands the robot, there is no event."""
     refused = _over(state)
     if refused:
         return refused
@@ -104,7 +105,7 @@ def request_handback(state: GameState, robot: int) -> Ruling:
 
 
 def commanded_by_other(state: GameState, robot: int, asker: Commander) -> RequestRefused | None:
-    """Return a refusal if a party other than the asker commands the robot now, otherwise None."""
+    """Return a refusal if a party other than the asker commands the robot, otherwise None."""
     now = state.robots[robot].command
     if now.by is asker:
         return None
@@ -114,7 +115,7 @@ def commanded_by_other(state: GameState, robot: int, asker: Commander) -> Reques
 
 
 def unable(state: GameState, robot: int) -> RequestRefused | None:
-    """Return the reason why a robot can do nothing at all at the moment, for any commander; or None."""
+    """Return the reason why a robot cannot obey any commander at present, or None."""
     worker = state.robots[robot]
     if state.ended is not None:
         return _over(state)
@@ -124,7 +125,7 @@ def unable(state: GameState, robot: int) -> RequestRefused | None:
 
 
 def commander_name(by: Commander, name: str) -> str:
-    """Return the name of a commander for use in a sentence; the names of researchers' programs are omitted."""
+    """Return the words for a commander in a sentence. Names of researchers' programs are omitted."""
     match by:
         case Commander.PARTICIPANT:
             return "the participant"
@@ -135,9 +136,9 @@ def commander_name(by: Commander, name: str) -> str:
 
 
 def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.PARTICIPANT) -> Ruling:
-    """Send a robot to a room. A participant thereby leaves an undecided treasure in the room where it stands.
+    """Send a robot to a room. If the participant sends it, an undecided treasure in its present room counts as left.
 
-    Another commander does not decide for the participant: the treasure can still be named (`GameState.decider`).
+    If another commander sends the robot, the participant can name this treasure later (`GameState.decider`).
     """
     refused = _over(state) or _unknown(state, robot, room) or commanded_by_other(state, robot, asker)
     if refused:
@@ -166,10 +167,10 @@ def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.
 
 
 def arrive(state: GameState, robot: int, room: Room) -> Ruling:
-    """Record that a robot has reached a room.
+    """Record the arrival of a robot in a room.
 
-    If the game has no departure (a program of 2016 sent the robot), a departure is added. Its price comes from the
-    matrix, even if the energy does not suffice. If the robot had another destination, that move fails without refund.
+    If there was no departure (a program of 2016 sent the robot), a departure is added. Its price is from the matrix,
+    even if the robot has less energy. If the robot had another destination, that move fails without a refund.
     """
     refused = _over(state) or _unknown(state, robot, room)
     if refused:
@@ -184,16 +185,16 @@ def arrive(state: GameState, robot: int, room: Room) -> Ruling:
 
 
 def fail(state: GameState, robot: int, reason: str, share_done: float, at: Room | None = None) -> Ruling:
-    """End a robot's move without arrival: the navigator failed, or a person stopped the robot.
+    """End a robot's move without an arrival, because the navigator failed or a person stopped the robot.
 
     Args:
         state: the game.
-        robot: index in the team, from 0.
-        reason: for people, e.g. "cancelled" or the navigator's sentence.
-        share_done: driven share of the path, clipped to [0, 1]; the rest of the price is refunded.
-        at: the room where it stands now. The default is the place where it set out if it has not moved, otherwise the
-            corridor. A robot that stopped in an unvisited room also counts as in the corridor; otherwise it could not
-            be sent there again.
+        robot: index of the robot, from 0.
+        reason: reason for people, such as "cancelled" or the navigator's sentence.
+        share_done: driven share of the path, clipped to [0, 1]. The other share of the price is refunded.
+        at: present room of the robot. If None, it is the start of the move for a robot that has not moved, and
+            otherwise the corridor. A robot in an unvisited room counts as in the corridor, too. Otherwise it could not
+            be sent to this room again.
     """
     if not state.has_robot(robot):
         return _no_robot(state, robot)
@@ -209,7 +210,7 @@ def fail(state: GameState, robot: int, reason: str, share_done: float, at: Room 
 
 
 def report(state: GameState, robot: int, condition: Condition) -> Ruling:
-    """Record a robot's condition. An unchanged one gives no event."""
+    """Record a robot's condition. An unchanged condition gives no event."""
     refused = _over(state)
     if refused:
         return refused
@@ -219,7 +220,7 @@ def report(state: GameState, robot: int, condition: Condition) -> Ruling:
 
 
 def price(state: GameState, robot: int, costs: Sequence[float | None]) -> Ruling:
-    """Record the costs of a standing robot's moves from where it stands. Unchanged costs give no event."""
+    """Record the costs of a standing robot's moves from its present position. Unchanged costs give no event."""
     refused = _over(state)
     if refused:
         return refused
@@ -230,20 +231,19 @@ def price(state: GameState, robot: int, costs: Sequence[float | None]) -> Ruling
         return RequestRefused(RuleReason.UNDER_WAY, f"{_name(robot)} is under way, and its move is already paid.")
     if len(costs) != len(state.rooms) + 1 or any(cost is not None and not cost >= 0.0 for cost in costs):
         return RequestRefused(RuleReason.UNKNOWN_ROOM, f"{len(state.rooms) + 1} costs of 0 or more are needed.")
-    # A robot in the room that it was sent to has no move to this room, even if it stands at some distance from the
-    # goal.
+    # A robot in a room has no move to the same room, even if it is at some distance from the goal pose.
     row = tuple(None if place == mover.at.people else cost for place, cost in enumerate(costs))
     estimated = CostsEstimated(robot, row)
     return () if apply(state, estimated).costs_from(robot) == state.costs_from(robot) else (estimated,)
 
 
 def sense(state: GameState, room: Room, reported: Properties | None = None) -> Ruling:
-    """Sense the properties that a robot senses when it finds a treasure. Sensing them again gives no event.
+    """Record the properties that a robot senses when it finds a treasure. A repeated request gives no event.
 
     Args:
         state: the game.
         room: the room.
-        reported: properties from a Hider of 2016; None uses the properties in the state.
+        reported: properties from a Hider of 2016. If None, use the properties in the state.
     """
     found = _standing_robot(state, room)
     if isinstance(found, RequestRefused):
@@ -260,7 +260,7 @@ def sense(state: GameState, room: Room, reported: Properties | None = None) -> R
 
 
 def measure(state: GameState, room: Room, name: str) -> Ruling:
-    """Sense one more property of a found treasure, which costs energy. Sensing it again gives no event."""
+    """Sense a further property of a found treasure, for energy. A repeated request gives no event."""
     robot = _standing_robot(state, room)
     if isinstance(robot, RequestRefused):
         return robot
@@ -280,9 +280,10 @@ def measure(state: GameState, room: Room, name: str) -> Ruling:
 
 
 def tell(state: GameState, room: Room, name: str, value: str) -> Ruling:
-    """Record a property that the participant reports from the picture; it is free, and possible until the decision.
+    """Record a property that the participant reports from the picture. It costs no energy.
 
-    A new value replaces the previous one; the same value again gives no event.
+    This is possible until the participant has decided on the treasure. A new value replaces the previous value. A
+    repeated value gives no event.
     """
     refused = _over(state) or _no_room(state, room)
     if refused:
@@ -300,12 +301,12 @@ def tell(state: GameState, room: Room, name: str, value: str) -> Ruling:
 
 
 def picture(state: GameState, room: Room, reported: str | None = None) -> Ruling:
-    """Take a picture where a robot stands. The first picture in a room costs energy; showing it again is free.
+    """Take a picture in the room of a robot. The first picture in a room costs energy. Later it is shown without cost.
 
     Args:
         state: the game.
         room: the room.
-        reported: file name from a Hider of 2016; None uses the name in the state.
+        reported: file name from a Hider of 2016. If None, use the name in the state.
     """
     robot = _standing_robot(state, room)
     if isinstance(robot, RequestRefused):
@@ -323,18 +324,19 @@ def picture(state: GameState, room: Room, reported: str | None = None) -> Ruling
 
 
 def identify(state: GameState, room: Room, name: str, reported: int | None = None) -> Ruling:
-    """Name the treasure of a room, once. A right name wins its points, a wrong one costs `wrong_share` of them.
+    """Name the treasure in a room. A right name wins the points. A wrong name costs a share of the points
+    (`wrong_share`). A second name is refused.
 
-    The paying robot is the one that stands there, or the one that found it and was sent on by a ground station.
+    The paying robot is in the room, or has found the treasure and was sent to another room by a ground station.
 
-    A lost share of points is rounded to the nearest whole number, half away from zero, because the text protocol has
-    only whole points. Difference: the Hider of 2016 also accepted a name that merely contained the right one.
+    Lost points are rounded to the nearest whole number (half away from zero), because the text protocol has only whole
+    points. Difference: the Hider of 2016 also accepted a longer name that contains the right name.
 
     Args:
         state: the game.
         room: the room.
-        name: one of the treasures' names; case and spaces are ignored.
-        reported: points from a Hider of 2016; None judges the name by the state.
+        name: name of a treasure. Case and spaces do not matter.
+        reported: points from a Hider of 2016. If None, compare the name with the treasure in the state.
     """
     robot = _present(state, room, state.decider)
     if isinstance(robot, RequestRefused):
@@ -366,7 +368,7 @@ def leave(state: GameState, room: Room) -> Ruling:
 
 
 def take_up(state: GameState, room: Room) -> Ruling:
-    """Take up again a treasure that was left in a room, while a robot still stands there.
+    """Return to a treasure that was left in a room. A robot must be in the room.
 
     A treasure that was not left gives no event.
     """
@@ -395,17 +397,16 @@ def end_game(state: GameState) -> Ruling:
 
 
 def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event, ...]:
-    """Return one `GameEnded` if the game is over, otherwise no event.
+    """Return a `GameEnded` event if the game is over, otherwise no event.
 
-    It is over if no robot is moving, and every room is visited or no robot can pay for another move. Silent robots do
-    not count; the game does not wait for them.
+    The game is over if no robot is moving, and all rooms are visited or no robot has energy for another move. The game
+    does not wait for silent robots.
 
     Args:
         state: the game.
-        wait_for_decisions: True to also wait while there is a treasure (sensed or about to be sensed) that a robot
-            could still identify and that was not left. Pass False for participants of 2016, who never leave a treasure.
-            The game always waits for a ground station that commands a robot at such a treasure, because the station
-            gives the robot back when it is done.
+        wait_for_decisions: True to wait for the decision on each treasure that a robot can name. False for participants
+            of 2016, who never leave a treasure. If a ground station commands the robot at this treasure, the game waits
+            in both cases, because the station will give the robot back.
     """
     if state.ended is not None or any(robot.bound_for is not None for robot in state.robots):
         return ()
@@ -420,7 +421,7 @@ def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event,
 
 
 def affordable(state: GameState, robot: int) -> tuple[Room, ...]:
-    """Return the free rooms for which this robot has enough energy; none if it is blocked or silent."""
+    """Return the free rooms that this robot has energy for. For a blocked or silent robot, return no rooms."""
     mover = state.robots[robot]
     if mover.is_blocked or mover.is_silent:
         return ()
@@ -453,7 +454,7 @@ def _standing_robot(state: GameState, room: Room) -> int | RequestRefused:
 
 
 def _present(state: GameState, room: Room, who: Callable[[Room], int | None]) -> int | RequestRefused:
-    """Return the robot that acts in a room, or a refusal if there is none or it does not respond."""
+    """Return the index of the robot for an action in a room. If there is none, or it is silent, return a refusal."""
     refused = _over(state) or _no_room(state, room)
     if refused:
         return refused

@@ -1,4 +1,4 @@
-"""Names of the planners of a team."""
+"""Names of the planners for a team."""
 
 from enum import StrEnum
 
@@ -7,12 +7,12 @@ class TeamPlanner(StrEnum):
     """Planner that decides which robot visits which room next."""
 
     JOINT = "joint"
-    """The joint plan of the team: most rooms, then least energy."""
+    """Joint plan of the team. It has the largest number of rooms and, among these plans, the least energy."""
     NEAREST = "nearest"
-    """Each robot goes to its nearest room."""
+    """Each robot drives to its nearest room."""
     GREEDY = "greedy"
-    """The cheapest of all robots' moves comes first."""
+    """The next move is the cheapest of all robots' moves."""
     TOUR = "tour"
-    """Each robot plans, only for itself, the best tour of all remaining rooms, as in 2016."""
+    """Each robot plans its best tour of all remaining rooms without regard to other robots, as in 2016."""
     AUCTION = "auction"
-    """Robots bid for rooms with the energy that these add to their tours; the lowest bid wins, room by room."""
+    """Robots bid for rooms. A bid is the additional energy for a tour with the room. The lowest bid wins the room."""

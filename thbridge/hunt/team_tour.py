@@ -1,10 +1,10 @@
-"""Joint plan of a team: which robot visits which of the rooms left, and in which order.
+"""Joint plan of a team: it assigns the remaining rooms to robots and determines the order of visits.
 
-The plan assigns rooms to robots so that the team visits the most rooms within the robots' energies. Among such plans,
-it is the one with the least energy for all moves. The subset dynamic program of `thbridge.hunt.tour` gives each robot's
-cheapest tour of every subset. Robots are then added one by one; each takes any subset of the rooms that the others
-leave. This compares 3^n pairs of a set of rooms and one of its subsets. The result is exact. With three robots it takes
-15 ms for twelve rooms, and half a second for sixteen.
+With this plan, the team visits the largest possible number of rooms within the robots' energies, and spends the least
+energy on moves. The subset dynamic program of `thbridge.hunt.tour` gives each robot's cheapest tour of every subset of
+rooms. Then robots are added one by one. Each robot visits any subset of a set of rooms, and the earlier robots visit
+the other rooms. This compares 3^n pairs of a set and a subset. The result is exact. For three robots, the computation
+takes 15 ms for twelve rooms, and 0.5 s for sixteen rooms.
 """
 
 import math
@@ -20,34 +20,34 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.tour import MOST_ROOMS, Tour, cost_to_go, first_order
 
 MOST_ROOMS_OF_A_TEAM = 16
-"""Largest number of rooms for which all plans of a team are compared: this takes seconds for four robots."""
+"""Largest number of rooms for an exact plan of a team. For four robots, this takes seconds."""
 _LOW_ROOMS = 9
-"""Number of rooms for which all 3^9 pairs of a set and a subset are compared in one block."""
+"""Number of rooms in a block. All 3^9 pairs of a set and a subset in a block are compared in one operation."""
 
 
 @dataclass(frozen=True, slots=True)
 class TourStart:
-    """Start of one robot's tour, and the energy available for it.
+    """Start of one robot's tour, and the available energy.
 
     Attributes:
-        costs: energy from there to every place, by the number for people, as a row of `CostMatrix`.
-        energy: energy of the robot; a tour may use all of it.
+        costs: energy from the start to every place, by the number for people, as in a row of `CostMatrix`.
+        energy: energy of the robot. A tour may use all of it.
     """
 
     costs: tuple[float, ...]
     energy: float
 
     def can_pay(self, room: Room) -> bool:
-        """Return True if the robot can go to this room first."""
+        """Return True if the robot has energy for a move to this room."""
         return self.costs[room.people] <= self.energy and self.costs[room.people] < math.inf
 
     def after(self, costs: CostMatrix, room: Room, visit: float) -> "TourStart":
-        """Return the start of the rest of a tour with this first room; its energy can be below 0."""
+        """Return the start for the moves after this first room. Its energy may be below 0."""
         return TourStart(costs.rows[room.people], self.energy - self.costs[room.people] - visit)
 
 
 def paid_tour(costs: CostMatrix, start: TourStart, order: Iterable[Room], visit: float) -> Tour:
-    """Return the tour through rooms in this order, up to the first one that the robot cannot pay for."""
+    """Return the tour of rooms in this order. It ends before the first room that the robot has no energy for."""
     rooms, cost = [], 0.0
     for room in order:
         if not start.can_pay(room):
@@ -59,30 +59,31 @@ def paid_tour(costs: CostMatrix, start: TourStart, order: Iterable[Room], visit:
 
 
 def most_rooms_shared_out(robots: int) -> int:
-    """Return the largest number of rooms for which the best tours of a team can be found."""
+    """Return the largest number of rooms for the exact computation of a team's best tours."""
     return MOST_ROOMS if robots == 1 else MOST_ROOMS_OF_A_TEAM
 
 
 def best_team_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return a tour for each robot; together they visit the most rooms, with the least energy for moves.
+    """Return a tour for each robot. Together, they visit the largest number of rooms, with the least energy for moves.
 
-    Among equal plans, the earlier robots get the rooms with the lower numbers; only the arguments determine the result.
+    If several plans are equally good, earlier robots get the rooms with lower numbers. So only the arguments determine
+    the result.
 
     Args:
         costs: energy from room to room.
         starts: one start per robot.
-        unvisited: rooms still to visit, at most `MOST_ROOMS_OF_A_TEAM`, or `MOST_ROOMS` for one robot; in any order.
-        visit: energy that a robot spends in each room before its next move; counted against its energy, but not part of
-            a tour's cost.
-        sent: index of the robot that is about to be sent. Its tour has at least one room, if it can pay for any.
+        unvisited: rooms to visit, in any order. At most `MOST_ROOMS_OF_A_TEAM`, or `MOST_ROOMS` for one robot.
+        visit: energy that a robot spends in each room before its next move. It reduces the robot's energy, but is not
+            part of a tour's cost.
+        sent: index of the robot that will be sent next. If it has energy for any room, its tour has at least one room.
 
     Returns:
-        One tour per robot; a robot with an empty tour stays where it is.
+        One tour per robot. A robot with an empty tour does not move.
 
     Raises:
-        ValueError: there are too many rooms to compare.
+        ValueError: there are too many rooms for the exact computation.
     """
     rooms = _comparable(unvisited, starts)
     step = _steps(costs, rooms, starts)
@@ -99,7 +100,7 @@ def best_team_tours(
 
 @dataclass(frozen=True, slots=True)
 class PlanValue:
-    """Value of a team's plan: the number of rooms visited, and the energy of all moves."""
+    """Value of a team's plan: the number of visited rooms, and the energy of all moves."""
 
     rooms: int
     cost: float
@@ -113,10 +114,9 @@ class PlanValue:
 def alternatives(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0
 ) -> tuple[dict[Room, PlanValue], ...]:
-    """Return, for each robot and each possible next room, the value of the best plan that begins with it.
+    """Return, for each robot and each possible next room, the value of the best plan with this next room.
 
-    The other robots follow the best plan in that case. Rooms that a robot cannot pay for are left out. The arguments
-    are those of `best_team_tours`.
+    Rooms that a robot has no energy for are not in the result. For the arguments, see `best_team_tours`.
 
     Raises:
         ValueError: there are too many rooms to compare.
@@ -144,12 +144,12 @@ def alternatives(
 
 
 def best_score(costs: CostMatrix, starts: Sequence[TourStart], points: Mapping[Room, int], visit: float) -> int:
-    """Return the highest score of a team that names every treasure it finds.
+    """Return the highest possible score of a team that names all treasures in visited rooms.
 
     Args:
         costs: energy from room to room.
         starts: one start per robot.
-        points: points of each room's treasure; at most as many rooms as can be shared out.
+        points: points of each room's treasure. For the largest number of rooms, see `most_rooms_shared_out`.
         visit: energy of naming a treasure.
 
     Raises:
@@ -166,35 +166,35 @@ def best_score(costs: CostMatrix, starts: Sequence[TourStart], points: Mapping[R
 
 
 def _comparable(unvisited: Collection[Room], starts: Sequence[TourStart]) -> list[Room]:
-    """Return the rooms in order. Raises ValueError if there are too many."""
+    """Return the rooms in order. Raises ValueError if there are too many rooms."""
     rooms = sorted(set(unvisited))
     limit = most_rooms_shared_out(len(starts))
     if len(rooms) > limit:
-        raise ValueError(f"at most {limit} rooms can be shared out, and there are {len(rooms)}")
+        raise ValueError(f"an exact plan is possible for at most {limit} rooms, but there are {len(rooms)}")
     return rooms
 
 
 def _steps(costs: CostMatrix, rooms: Sequence[Room], starts: Sequence[TourStart]) -> NDArray[np.float64]:
-    """Return the energy from rooms and starts to rooms, (n + s, n)."""
+    """Return (n + s, n) energy from rooms and starts to rooms."""
     between = [[costs.cost(start, goal) for goal in rooms] for start in rooms]
     step = np.array([*between, *([start.costs[goal.people] for goal in rooms] for start in starts)], dtype=np.float64)
     return step.reshape(len(rooms) + len(starts), len(rooms))
 
 
 def _payable(to_go: NDArray[np.float64], sizes: NDArray[np.int64], energy: float, visit: float) -> NDArray[np.float64]:
-    """Return the energy for the moves of one robot's cheapest tour, by subset; infinite if it cannot pay for it.
+    """Return the energy for the moves of one robot's cheapest tour, by subset. Infinite if the robot has less energy.
 
-    Staying costs nothing, so that a robot with energy below 0 does not prevent the others from going.
+    Staying costs no energy, so that the other robots can drive if one robot has an energy below 0.
     """
     spent = to_go + visit * np.maximum(sizes - 1, 0)
     return np.where((spent <= energy) | (sizes == 0), to_go, np.inf)
 
 
 def _shared_out(spent: Sequence[NDArray[np.float64]], worth: NDArray[np.int64], rooms: int) -> list[int]:
-    """Return, for each robot, its subset of `rooms` rooms.
+    """Return the subset of rooms for each robot.
 
-    Robots are added in reverse order, so the first robot chooses first. Among equal subsets, it takes the rooms with
-    the lowest numbers.
+    Robots are added in reverse order, so the first robot chooses first. If several subsets are equally good, it gets
+    the rooms with the lowest numbers.
     """
     plans = _plans(spent[1:], worth, rooms)
     taken = [_first_of_best(plans[-1], spent[0], worth, len(worth) - 1)]
@@ -207,14 +207,15 @@ def _shared_out(spent: Sequence[NDArray[np.float64]], worth: NDArray[np.int64], 
 
 @dataclass(frozen=True, slots=True)
 class _Plan:
-    """Best plan of some robots within every set of rooms: highest worth, then least energy, both summed over robots.
+    """Best plan of some robots for every set of rooms. It has the highest worth and, among these plans, the least
+    energy.
 
-    Because both are sums, each part of a best plan is a best plan for its part.
+    Worth and energy are sums over robots. So each part of a best plan is a best plan for its robots and rooms.
 
     Attributes:
-        most: (2^rooms,) worth; -1 if no plan can be paid for.
+        most: (2^rooms,) worth; -1 if the robots have no energy for any plan.
         least: (2^rooms,) energy.
-        taken: (2^rooms,) the subset of the robot that was added last.
+        taken: (2^rooms,) the subset of the last added robot.
     """
 
     most: NDArray[np.int64]
@@ -233,7 +234,7 @@ def _plans(spent: Sequence[NDArray[np.float64]], worth: NDArray[np.int64], rooms
 
 
 def _best_within(spent: NDArray[np.float64], worth: NDArray[np.int64], rooms: int) -> _Plan:
-    """Return the plan of one robot: the best subset of each set, found room by room."""
+    """Return the plan of one robot: the best subset of each set. The computation adds one room after the other."""
     can_pay = np.isfinite(spent)
     most, least, taken = np.where(can_pay, worth, -1), spent.copy(), np.arange(len(worth))
     for room in range(rooms):
@@ -247,7 +248,10 @@ def _best_within(spent: NDArray[np.float64], worth: NDArray[np.int64], rooms: in
 
 
 def _first_of_best(plan: _Plan, spent: NDArray[np.float64], worth: NDArray[np.int64], left: int) -> int:
-    """Return a robot's best subset of these rooms, given the plan of the others; among equal subsets, the lowest."""
+    """Return a robot's best subset of the rooms `left`, given the plan of the other robots.
+
+    If several subsets are equally good, return the lowest subset.
+    """
     rest = left ^ np.arange(len(worth))
     energy = plan.least[rest] + spent
     number = np.where(np.isfinite(energy), plan.most[rest] + worth, -1)
@@ -255,10 +259,10 @@ def _first_of_best(plan: _Plan, spent: NDArray[np.float64], worth: NDArray[np.in
 
 
 def _joined(plan: _Plan, spent: NDArray[np.float64], worth: NDArray[np.int64], rooms: int) -> _Plan:
-    """Return the plan with one more robot, which takes any subset of each set and leaves the rest to the others.
+    """Return the plan with a further robot. It visits any subset of a set, and the other robots visit the other rooms.
 
-    Rooms are split into low and high bits. For each pair of a set of high rooms and a subset of it, all pairs of low
-    rooms are compared at once: 3^n comparisons in all, in blocks that fit into the processor's cache.
+    Rooms are split into low and high bits. For each pair of a set of high rooms and its subset, one array operation
+    compares all pairs of low rooms. These are 3^n comparisons in blocks that fit into the processor's cache.
     """
     low = min(rooms, _LOW_ROOMS)
     whole, part, begins = _subsets_of_sets(low)
@@ -278,7 +282,7 @@ def _joined(plan: _Plan, spent: NDArray[np.float64], worth: NDArray[np.int64], r
         best = np.maximum.reduceat(number, begins)
         energy[number < np.repeat(best, lengths)] = np.inf
         cheapest = np.minimum.reduceat(energy, begins)
-        # Subsets come in ascending order within a block and between blocks, so the first of equal subsets is kept.
+        # Subsets are in ascending order, within a block and between blocks. So the lowest of equal subsets is kept.
         position = np.where(energy == np.repeat(cheapest, lengths), positions, len(whole))
         subset = part[np.minimum.reduceat(position, begins)] | (int(high_part) << low)
         better = (best > most[high]) | ((best == most[high]) & (cheapest < least[high]))
@@ -288,7 +292,7 @@ def _joined(plan: _Plan, spent: NDArray[np.float64], worth: NDArray[np.int64], r
 
 @lru_cache(maxsize=2)
 def _subsets_of_sets(rooms: int) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Return all pairs of a set of rooms and a subset of it, ordered by set and then by subset.
+    """Return all pairs of a set of rooms and a subset of this set, ordered by set and then by subset.
 
     Returns:
         (3^rooms,) the sets, (3^rooms,) the subsets, and (2^rooms,) the index of the first pair of each set.

@@ -1,9 +1,9 @@
-"""Good team tours for more rooms than a full search can compare, from PyVRP's iterated local search.
+"""Search for good team tours by PyVRP's iterated local search, for too many rooms for a full search.
 
-The joint plan is a team orienteering problem: optional clients with a prize each, vehicles that have their own starts
-and largest distances, and routes that end anywhere. The search ends after a fixed number of iterations from a fixed
-seed, and not after a time, so only the arguments determine the tours. PyVRP computes with integers: energy is scaled by
-a power of two; spent energy is rounded up, and available energy is rounded down.
+The joint plan is a team orienteering problem: optional clients with prizes, vehicles with different starts and maximum
+distances, and routes that may end at any place. The search uses a fixed seed and ends after a fixed number of
+iterations, so only the arguments determine the tours. PyVRP computes with integers. So energy is scaled by a power of
+two; spent energy is rounded up, and available energy is rounded down.
 """
 
 import math
@@ -18,20 +18,21 @@ from thbridge.hunt.team_tour import TourStart, paid_tour
 from thbridge.hunt.tour import Tour
 
 ITERATIONS = 500
-"""Iterations of the search; about 0.4 s for fifty rooms and three robots. 3000 iterations give no better plans."""
+"""Number of iterations of the search. They take about 0.4 s for fifty rooms and three robots. With 3000 iterations,
+plans are not better."""
 _SEED = 1
 _BITS = 20
-"""Number of bits of the largest energy of a single move, as an integer."""
+"""Number of bits of the integer for the largest energy of a single move."""
 
 
 def search_team_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0
 ) -> tuple[Tour, ...]:
-    """Return a tour for each robot within its energy; together they visit many rooms for little energy.
+    """Return a tour for each robot within the robot's energy. Together, the tours visit many rooms for little energy.
 
-    They are not proven to be the best. The arguments are those of `thbridge.hunt.team_tour.best_team_tours`.
+    There is no proof that these tours are the best. For the arguments, see `thbridge.hunt.team_tour.best_team_tours`.
     """
-    # Imported here because only large plans need it, and the import takes 50 ms.
+    # Import PyVRP here, because only large plans need it, and the import takes 50 ms.
     import pyvrp  # noqa: PLC0415
     from pyvrp.stop import MaxIterations  # noqa: PLC0415
 
@@ -40,9 +41,9 @@ def search_team_tours(
     moves = np.full((last + 1, last + 1), np.inf)
     moves[: len(rooms), : len(rooms)] = [[costs.cost(start, goal) for goal in rooms] for start in rooms]
     moves[len(rooms) : last, : len(rooms)] = [[start.costs[goal.people] for goal in rooms] for start in starts]
-    moves[:, last] = 0.0  # From the end of every tour, the common end depot is reached at no cost.
+    moves[:, last] = 0.0  # All tours end at a common depot, which costs no energy.
     scale = _scale(np.append(moves[np.isfinite(moves)], visit))
-    # More than any tour of possible moves costs, and so more than any robot can spend.
+    # This energy is more than the cost of any tour of possible moves, and so more than a robot can spend.
     far = (2 * len(rooms) + 2) << _BITS
     paid = np.where(np.isfinite(moves), np.ceil(moves * scale), far).astype(np.int64)
     spent = paid.copy()
@@ -73,6 +74,6 @@ def search_team_tours(
 
 
 def _scale(energies: NDArray[np.float64]) -> float:
-    """Return the power of two by which the largest of these becomes an integer of `_BITS` bits."""
+    """Return the power of two that scales the largest of these energies to an integer of `_BITS` bits."""
     _, exponent = math.frexp(float(energies.max()))
     return math.ldexp(1.0, min(_BITS - exponent, 1000))

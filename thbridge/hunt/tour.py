@@ -1,9 +1,9 @@
-"""The exact cheapest open tour of the rooms left.
+"""Exact computation of the cheapest open tour of the remaining rooms.
 
-The subset dynamic program of Bellman (1962) and Held and Karp (1962), in its cost-to-go form: `to_go[S, j]` is the
-least energy that visits every room of the set S starting at place j. The table is filled in order of the size of S, so
-that all sets of one size are one array operation. The table also gives the best tour if the energy does not suffice for
-all rooms.
+Method: the subset dynamic program of Bellman (1962) and Held and Karp (1962), in its cost-to-go form. `to_go[S, j]` is
+the least energy for visiting all rooms of the set S from place j. The table is filled in the order of the size of S, so
+that one array operation computes all sets of a size. If the energy is not sufficient for all rooms, the table gives the
+best tour of fewer rooms.
 """
 
 import math
@@ -19,7 +19,7 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 
 MOST_ROOMS = 18
-"""Largest number of rooms in one robot's best tour: the table needs 8 bytes x 2^n x (n + 1), 40 MB for 18."""
+"""Largest number of rooms for one robot's best tour. The table needs 8 bytes x 2^n x (n + 1), or 40 MB for 18 rooms."""
 
 
 class NoTour(StrEnum):
@@ -42,21 +42,21 @@ class Tour:
 def best_tour(
     costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float = math.inf, visit: float = 0.0
 ) -> Tour | RequestRefused:
-    """Return the cheapest of the tours from `at` that visit as many rooms of `unvisited` as `energy` allows.
+    """Return the best tour from `at`: it visits the largest possible number of rooms, for the least energy.
 
-    If the energy suffices for all rooms, this is the cheapest tour of all. Among equal tours, the one with the lowest
-    room numbers first is returned, so only the arguments determine the result.
+    If several tours are equally good, the tour with the lowest room numbers first is returned. So only the arguments
+    determine the result.
 
     Args:
-        costs: energy from place to place.
-        at: place of the robot; does not count as unvisited even if it is in `unvisited`.
-        unvisited: rooms still to visit, in any order.
-        energy: energy of the robot; a tour may use all of it.
-        visit: energy that is spent in each room before the next move; counted against `energy`, but not part of the
-            tour's cost.
+        costs: energy of moves between places.
+        at: place of the robot. It does not count as unvisited, even if it is in `unvisited`.
+        unvisited: rooms to visit, in any order.
+        energy: energy of the robot. A tour may use all of it.
+        visit: energy that the robot spends in each room before the next move. It reduces the robot's energy, but is not
+            part of the tour's cost.
 
     Returns:
-        A tour of at least one room, or a refusal with a reason (`NoTour`).
+        A tour of at least one room, or a refusal with a reason from `NoTour`.
 
     Raises:
         IndexError: a place is not in the matrix.
@@ -83,12 +83,12 @@ def best_tour(
 def why_no_tour(
     row: Sequence[float], at: Room, unvisited: Collection[Room], energy: float = math.inf
 ) -> RequestRefused | None:
-    """Return the reason why a robot can go to no room at all, or None. It compares no tours, so rooms may be many.
+    """Return the reason why a robot cannot go to any room, or None. Any number of rooms is possible.
 
     Args:
-        row: energy from the place of the robot to each place, as a row of `CostMatrix`.
-        at: place of the robot, as for `best_tour`.
-        unvisited: rooms still to visit.
+        row: energy from the place of the robot to each place, as in a row of `CostMatrix`.
+        at: place of the robot, as in `best_tour`.
+        unvisited: rooms to visit.
         energy: energy of the robot.
     """
     rooms = sorted(set(unvisited) - {at})
@@ -111,11 +111,11 @@ def cost_to_go(step: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[
     """Compute the cost-to-go of all subsets.
 
     Args:
-        step: (n + s, n) energy from place to room; the rows after the rooms' own are starts.
+        step: (n + s, n) energy from each place to each room. The first n rows are rooms, the other rows are starts.
 
     Returns:
-        (2^n, n + s) least energy to visit all of subset S from place j, infinite if impossible (bit k of S is room k),
-        and (2^n,) the sizes of the subsets. Entries with j in S are not used.
+        (2^n, n + s) least energy for visiting all rooms of subset S from place j, infinite if impossible (bit k of S is
+        room k). And (2^n,) sizes of the subsets. Entries with j in S are not used.
     """
     places, count = step.shape
     subsets = np.arange(1 << count)
@@ -136,16 +136,16 @@ def cost_to_go(step: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[
 def first_order(
     step: NDArray[np.float64], to_go: NDArray[np.float64], place: int, subsets: NDArray[np.int64]
 ) -> tuple[int, ...]:
-    """Return the cheapest order for any of these subsets (all of one size) from this place.
+    """Return the cheapest order of rooms from this place, for the best of these subsets. All must have the same size.
 
-    Among equal orders, it is the one with the lowest room numbers first.
+    If several orders are equally cheap, the order with the lowest room numbers first is returned.
     """
     order: list[int] = []
     while subsets.any():
         for room in range(step.shape[1]):
             having = subsets[(subsets >> room) & 1 == 1]
             without = having ^ (1 << room)
-            # The sums are the same as in the table, so the comparison for equality is exact.
+            # These sums are bit-identical to the sums in the table, so an exact comparison is possible.
             going_on = without[step[place, room] + to_go[without, room] == to_go[having, place]]
             if going_on.size:
                 order.append(room)

@@ -1,10 +1,10 @@
-"""Lower bound for the energy of any tour of some rooms, found without the best tour.
+"""Lower bound for the energy of all tours of some rooms. The computation does not need the best tour.
 
-The bound is the greater of the bounds from two relaxations. In the *assignment*, every room is entered from a different
-place, but the moves need not form one tour. In the *1-tree* (Held and Karp, The traveling-salesman problem and minimum
-spanning trees, 1970 and 1971), a tree instead of a path joins the places. Places with too many neighbors become dearer,
-and places with too few become cheaper, until the tree is nearly a path. A move costs the lesser of its two directions
-there.
+The bound is the greater bound of two relaxed problems. In the *assignment*, every room is entered from a different
+place, but the moves may form several tours. In the *1-tree* (Held and Karp, The traveling-salesman problem and minimum
+spanning trees, 1970 and 1971), a tree instead of a path connects the places. The price of a place increases if it has
+too many neighbors, and decreases if it has too few neighbors, until the tree is nearly a path. In the 1-tree, the cost
+of a move is the lower cost of its two directions.
 """
 
 from collections.abc import Collection
@@ -17,16 +17,16 @@ from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.rooms import Room
 
 ROUNDS = 300
-"""Rounds in which prices of places change; about 0.1 s for fifty rooms."""
+"""Number of rounds with changes of prices. They take about 0.1 s for fifty rooms."""
 _ROUNDS_WITHOUT_PROGRESS = 20
-"""Rounds without a better bound after which the price changes are halved."""
+"""Number of rounds without a better bound after which price changes are halved."""
 
 
 def least_tour_cost(costs: CostMatrix, at: Room, unvisited: Collection[Room], known: float) -> float:
-    """Return a lower bound for the energy of all tours of all these rooms; a tour may end in any of them.
+    """Return a lower bound for the energy of all tours of these rooms. A tour may end in any room.
 
     Args:
-        costs: energy from place to place.
+        costs: energy of moves between places.
         at: place of the robot.
         unvisited: rooms to visit, at least one.
         known: energy of a known tour.
@@ -34,18 +34,18 @@ def least_tour_cost(costs: CostMatrix, at: Room, unvisited: Collection[Room], kn
     rooms = sorted(set(unvisited) - {at})
     moves = np.array([[costs.cost(start, goal) for goal in rooms] for start in (*rooms, at)])
     np.fill_diagonal(moves, np.inf)
-    # A missing move gets a high cost, which can only lower the result.
+    # A finite cost for impossible moves can only decrease the bound.
     moves[np.isinf(moves)] = known + 1.0
     entered, left = linear_sum_assignment(moves.T)
     least = max(float(moves.T[entered, left].sum()), _tree_bound(moves, known))
-    # Sums of whole numbers are whole.
+    # If all costs are whole numbers, the cost of a tour is a whole number.
     return float(np.ceil(least - 1e-6)) if (moves == np.floor(moves)).all() else min(least, known)
 
 
 def _tree_bound(moves: FloatArray, known: float) -> float:
     """Return the lower bound from 1-trees.
 
-    The (n + 1, n) moves go to each room: from each room and, in the last row, from the start.
+    The (n + 1, n) array `moves` has the energy to each room: from each room and, in the last row, from the start.
     """
     count = moves.shape[1]
     between = np.full((count + 1, count + 1), np.inf)
@@ -54,7 +54,8 @@ def _tree_bound(moves: FloatArray, known: float) -> float:
     prices, best, step, waited = np.zeros(count + 1), 0.0, 2.0, 0
     for _ in range(ROUNDS):
         neighbours, cost = _tree(between + prices[:, np.newaxis] + prices)
-        # An extra place at no cost closes the path to a round trip. Its neighbors are the start and the cheapest end.
+        # An additional place without costs closes the path to a round trip. Its neighbors are the start and the
+        # cheapest end.
         end = int(prices[:count].argmin())
         neighbours[[end, count]] += 1
         bound = cost + prices[end] + prices[count] - 2.0 * float(prices.sum())
@@ -71,7 +72,7 @@ def _tree_bound(moves: FloatArray, known: float) -> float:
 
 
 def _tree(weights: FloatArray) -> tuple["np.ndarray[tuple[int], np.dtype[np.int64]]", float]:
-    """Return the number of neighbors of each place in the lightest tree of all places, and its weight (Prim)."""
+    """Return the minimum spanning tree of all places: the number of neighbors of each place, and the weight (Prim)."""
     size = len(weights)
     neighbours, total = np.zeros(size, dtype=np.int64), 0.0
     nearest, distance = np.zeros(size, dtype=np.int64), weights[0].copy()

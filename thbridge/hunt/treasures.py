@@ -1,4 +1,4 @@
-"""Treasures: their kinds, and hiding them in rooms."""
+"""Kinds of treasures, and the random choice of a treasure for each room."""
 
 import unicodedata
 from collections.abc import Sequence
@@ -9,13 +9,13 @@ from thbridge.hunt.properties import Properties
 
 @dataclass(frozen=True, slots=True)
 class TreasureKind:
-    """One kind of treasure in a file of treasures.
+    """A kind of treasure in a file of treasures.
 
     Attributes:
-        properties: the value of each property that its set declares.
-        points: points for naming it correctly, never negative.
-        name: name by which people identify it.
-        image: file name of its picture without a directory; None in the participant's copy.
+        properties: the value of each declared property.
+        points: points for the right name, 0 or more.
+        name: the right name.
+        image: file name of the picture, without a directory. None in the participant's copy of the file.
     """
 
     properties: Properties
@@ -25,29 +25,29 @@ class TreasureKind:
 
 
 def hide(kinds: Sequence[TreasureKind], uniforms: Sequence[float]) -> tuple[TreasureKind, ...]:
-    """Hide one treasure in each room. All kinds are equally likely, and rooms are independent of each other.
+    """Return a random treasure for each room. All kinds are equally likely, and rooms are independent.
 
     Args:
-        kinds: the kinds, at least one.
-        uniforms: one number in [0, 1) per room, room 1 first. The same numbers give the same treasures.
+        kinds: at least one kind of treasure.
+        uniforms: one number in [0, 1) per room, in the order of the rooms. The same numbers give the same treasures.
 
     Returns:
-        One kind per room, room 1 first. A kind may occur more than once or not at all.
+        One kind per room, in the order of the rooms. A kind may occur several times or not at all.
 
     Raises:
-        ValueError: no kinds, or a number outside [0, 1).
+        ValueError: there are no kinds, or a number is outside [0, 1).
     """
     if not kinds:
-        raise ValueError("there is no kind of treasure to hide")
+        raise ValueError("there are no treasures")
     if not all(0.0 <= uniform < 1.0 for uniform in uniforms):
-        raise ValueError("hiding needs numbers in [0, 1)")
+        raise ValueError("the random numbers must be in [0, 1)")
     return tuple(kinds[int(uniform * len(kinds))] for uniform in uniforms)
 
 
 def same_name(left: str, right: str) -> bool:
-    """Return True for equal names of treasures; case, and the number of spaces around or between words, are ignored.
+    """Return True if two names of treasures are equal. Case and the number of spaces do not matter.
 
-    Letters with marks are equal whether they are one character or two (NFC, NFD).
+    Letters with diacritics may be one character or two characters (NFC, NFD).
     """
     if left == right:
         return True
@@ -56,5 +56,5 @@ def same_name(left: str, right: str) -> bool:
 
 
 def name_in_words(name: str) -> str:
-    """Return a treasure's name in words for people: `beer_bottle` becomes `beer bottle`."""
+    """Return a treasure's name as words for people. For example, `beer_bottle` becomes `beer bottle`."""
     return " ".join(name.replace("_", " ").split())

@@ -170,7 +170,7 @@ def test_a_robot_whose_energy_is_below_zero_keeps_no_other_one_from_going():
 def test_more_rooms_than_can_be_shared_out_are_the_callers_mistake():
     flat = CostMatrix(((1.0,) * (MOST_ROOMS + 2),) * (MOST_ROOMS + 2))
     start = TourStart(flat.rows[0], 9.0)
-    with pytest.raises(ValueError, match=f"at most {MOST_ROOMS_OF_A_TEAM} rooms can be shared out, and there are 17"):
+    with pytest.raises(ValueError, match=f"for at most {MOST_ROOMS_OF_A_TEAM} rooms, but there are 17"):
         best_team_tours(flat, (start, start), all_rooms(MOST_ROOMS_OF_A_TEAM + 1))
     with pytest.raises(ValueError, match=f"at most {MOST_ROOMS} rooms"):
         best_team_tours(flat, (start,), all_rooms(MOST_ROOMS + 1))
