@@ -14,8 +14,7 @@ def feature_of(file: Path) -> str:
 
 
 def lines_by_feature(root: Path) -> dict[str, tuple[int, int]]:
-    """Return the numbers of modules and of non-blank lines by feature, with the largest feature of each package first.
-    """
+    """Return the numbers of modules and of non-blank lines by feature; each package's largest feature is first."""
     modules: Counter[str] = Counter()
     lines: Counter[str] = Counter()
     for package in PACKAGES:

@@ -50,8 +50,7 @@ TURN_RATE = 0.8
 
 @dataclass(frozen=True)
 class RoomPlan:
-    """Room with its corners and the robots' goal, in the map frame, meters. Two corners mean opposite corners of a box.
-    """
+    """Room with its corners and the robots' goal, in the map frame, meters. Two corners are those of a box."""
 
     name: str
     region: tuple[Point, ...]

@@ -129,8 +129,7 @@ def _make_mark(mark: Path) -> None:
 
 
 def _compiled_mark() -> Path:
-    """Return the path of a folder that exists if these sources were compiled here. No import of the compiler is needed.
-    """
+    """Return the path of a folder that exists if these sources were compiled here; do not import the compiler."""
     return cache_folder() / f"first_start-{_key()}"
 
 

@@ -382,8 +382,7 @@ class Telling:
         return " ".join([seen, *more, texts.text("terminal.name_it", number=number)])
 
     def _asked(self, dialogue: DialogueView, told: int = 0) -> list[str]:
-        """Return lines about a dialogue that waits for an answer: the sentences from number `told` on, and the choices.
-        """
+        """Return lines about a dialogue that waits for an answer: sentences from number `told` on, and the choices."""
         robot = dialogue.robot
         if not dialogue.choices:
             return [self.texts.text("window.thinking", robot=robot)]

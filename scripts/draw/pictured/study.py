@@ -27,8 +27,7 @@ noise:
 
 
 def edited() -> Iterator[Shot]:
-    """Yield a small study file in the editor: a section, the noise, a fault, and the changes that saving would write.
-    """
+    """Yield a small study file in the editor: a section, the noise, a fault, and the unsaved changes."""
     # The window shows the folder's path, so use the same folder each time.
     folder = Path(tempfile.gettempdir()) / "studies"
     folder.mkdir(exist_ok=True)

@@ -83,7 +83,7 @@ def sweep_run(
     except KeyboardInterrupt:
         fail(
             FAILED,
-            f"Stopped. All results are kept. To resume, run the same command. For the status, run "
+            "Stopped. All results are kept. To resume, run the same command. For the status, run "
             f"{command('sweep', 'status', root)}",
         )
     if as_json:

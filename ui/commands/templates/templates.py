@@ -61,8 +61,7 @@ def templates_new(
     folder: Annotated[Path, typer.Argument(help="Folder to create; must not exist.")],
     like: Annotated[str, typer.Option(help="Name or folder of the template set to copy.")] = "four-properties",
 ) -> None:
-    """Create your own template set: copy another set, without its texts in other languages, so that you can change it.
-    """
+    """Create your own template set as a copy of another set, without the texts in further languages."""
     from thbridge.files.disk.whole import new_folder
     from ui.commands.templates.sets import copy_set, folder_of
 
