@@ -29,7 +29,7 @@ WALL = np.array([0.62, 0.66, 0.71])
 
 @dataclass(frozen=True)
 class Solid:
-    """Treasure: functions for distances (n,) of points (n, 3) to its surface and for their colors (n, 3), and its shine."""
+    """Treasure: functions for distances (n,) of points (n, 3) to its surface and their colors (n, 3), and its shine."""
 
     distance: Callable[[Floats], Floats]
     colour: Callable[[Floats], Floats]
