@@ -1,4 +1,4 @@
-"""Sessions: a hunt that the caller steps, observes and controls."""
+"""Session: a hunt that the caller advances, observes and controls."""
 
 import json
 import math
@@ -462,7 +462,7 @@ def _end_of_goal(result: GoalResult) -> str:
 
 
 def inside(session: HuntSession) -> Session:
-    """Return the session of programs that a `HuntSession` steps."""
+    """Return the internal session of a `HuntSession`."""
     return session._session
 
 
@@ -481,7 +481,7 @@ def with_strategy(setting: StudySetting, strategy: str) -> StudySetting:
 
 
 def _pose(x: float, y: float, theta: float) -> Pose2:
-    """Return a pose from numbers of any type, including those of NumPy."""
+    """Return a pose from numbers of any type, including types of NumPy."""
     return Pose2(float(x), float(y), float(theta))
 
 

@@ -101,7 +101,7 @@ async def listeners(
     *,
     has_game: bool,
 ) -> AsyncIterator[list[Listener]]:
-    """Start the listeners to a session, and stop them at the end of the context.
+    """Start the listeners to a session, and stop all listeners at the end of the context.
 
     Args:
         options: options of the listeners.

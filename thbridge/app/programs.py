@@ -51,7 +51,7 @@ class RoleRunner(Protocol):
 
 
 class SingleRole:
-    """Runner of a role that only counts ticks."""
+    """Runner of a role that needs only messages and the number of the tick."""
 
     def __init__(self, role: Role) -> None:
         self._role = role
@@ -87,7 +87,7 @@ class UnrecordedSimr:
 
     @property
     def rejection(self) -> str | None:
-        """The keeper's reason for rejecting these robots, or None."""
+        """Reason why the keeper has rejected these robots; None if they are not rejected."""
         return self._role.rejection
 
     def connected(self) -> None:
@@ -236,7 +236,7 @@ async def simr(
     lost: Callable[[ConnectionLost], None],
     callbacks: StartupCallbacks = NO_CALLBACKS,
 ) -> str | None:
-    """Run the robots' program until stopped.
+    """Run the robots' program until it is stopped.
 
     If the study asks for consent, nothing is recorded until the server reports that the participant has agreed. Until
     then, the robots run without a recording. Afterward they start again, with graph and watch server.
@@ -303,7 +303,7 @@ async def hider(
     lost: Callable[[ConnectionLost], None],
     key: ClientKey | None = None,
 ) -> None:
-    """Run the treasures' program until stopped."""
+    """Run the treasures' program until it is stopped."""
     client = TextClient(role.name, token, host, port, key=key)
     await run_at_server(SingleRole(role), client, Pacer(1.0), lambda: False, lost)
 

@@ -20,7 +20,7 @@ _ENOUGH = 4 * TICKS_PER_SECOND // 5
 
 
 class SessionWithVehicles(Protocol):
-    """A session with vehicles."""
+    """Session with MAVLink vehicles."""
 
     @property
     def tick(self) -> int:
@@ -51,7 +51,7 @@ class KeepAlive:
 
 @asynccontextmanager
 async def kept_alive(session: SessionWithVehicles, pacer: Pacer) -> AsyncIterator[None]:
-    """Check a session every second during this block."""
+    """Check a session once per second during this block."""
 
     async def watch() -> None:
         keep_alive = KeepAlive(session, pacer)

@@ -25,7 +25,7 @@ class LoopResult:
     """Result of a loop.
 
     Attributes:
-        finished: True when the last tick was reached, False when the program was stopped (Ctrl-C, SIGTERM).
+        finished: True if the last tick was reached, False if the program was stopped (Ctrl-C, SIGTERM).
         seconds: wall time of the loop.
     """
 

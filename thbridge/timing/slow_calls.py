@@ -1,4 +1,4 @@
-"""Calls of plug-ins that may take a long time, or never return."""
+"""Calls of plug-ins, which may take a long time or never return."""
 
 import sys
 import threading

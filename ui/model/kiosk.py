@@ -208,7 +208,7 @@ class CloseKiosk(msgspec.Struct, frozen=True, tag=True):
 class HostStops(msgspec.Struct, frozen=True, tag=True):
     """Host: the host ends during a person's run. The window shows this text until a new window opens.
 
-    If the host ends without this message or `CloseKiosk`, the window reports that in the study's language.
+    If the host ends without this message and without `CloseKiosk`, the window reports this in the study's language.
     """
 
     heading: str
@@ -236,7 +236,7 @@ class ConsentReply(msgspec.Struct, frozen=True, tag=True):
 
 
 class ItemNews(msgspec.Struct, frozen=True, tag=True):
-    """Window: something happened with an item.
+    """Window: an event of an item.
 
     Attributes:
         page: number of the page.

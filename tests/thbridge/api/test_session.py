@@ -161,7 +161,7 @@ def test_a_refusal_is_an_event_and_in_the_view() -> None:
     [
         (lambda session: session.send(3, 1), "there is no robot 3. Give a number from 1 to 2."),
         (lambda session: session.set_goal(1, math.nan, 0.0), "all numbers must be finite"),
-        (lambda session: session.set_goal(1, 1e9, 0.0), "the place is farther away than any map is large"),
+        (lambda session: session.set_goal(1, 1e9, 0.0), "the coordinates of the place are too large for any map"),
         (lambda session: session.set_pose(1, 0, 0, 0, [[-1, 0, 0], [0, 1, 0], [0, 0, 1]]), "covariance"),
         (lambda session: session.set_parameters(1, {"amcl.kld_errr": 1}), "kld_err"),
         (lambda session: session.put_thing("x", "house", 0, 0), "Write crate, door, fire or person"),

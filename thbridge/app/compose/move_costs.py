@@ -117,7 +117,7 @@ def doubts_of_costs(
             f"{len(too_cheap)} trips take less time than the study's robots need: {start} to {goal} takes "
             f"{costs.cost(start, goal):g} s in this file, but at least {least:.0f} s at the robots' highest speed"
         )
-        remedy = "If the file is for another map or other robots, measure again with `thbridge maps measure`"
+        remedy = "If the file is for another map or other robots, measure the trips again with `thbridge maps measure`"
         yield BadFile(path, problem, remedy)
 
 

@@ -281,7 +281,7 @@ class RecordingReplay:
 async def replay(
     path: Path, setting: StudySetting, options: ReplayOptions, progress: Callable[[TickRecord], None]
 ) -> Replayed:
-    """Run a recording again at the rate in `options`, until its end or Ctrl-C; see `RecordingReplay`."""
+    """Replay a recording at the rate in `options`, until the end or Ctrl-C; see `RecordingReplay`."""
     with RecordingReplay(path, setting, options, progress) as again:
 
         def hurried_tick() -> bool:

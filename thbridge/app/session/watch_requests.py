@@ -93,7 +93,7 @@ _log = logging.getLogger(__name__)
 
 
 def request_line(sender: str, request: Request | PaceRequest) -> bytes:
-    """Return the line of a watcher's request."""
+    """Return a watcher's request as a line."""
     return encode_request(sender, request).encode() + b"\n"
 
 
@@ -166,7 +166,7 @@ class WatchRequestHandler:
             if kind is not None:
                 return self._turn(decode_value(request.get("fields", {}), kind))
             if _lies_far(request.get("fields")):
-                return "the place is farther away than any map is large"
+                return "the coordinates of the place are too large for any map"
             asked = decode_request({"fields": {}, **request})
         except ValueError as error:
             return str(error)
@@ -270,7 +270,7 @@ def objection(request: WatchRequest, robots: RobotTeam) -> str | None:
 
 
 def _objection_to_pose(pose: Pose2) -> str | None:
-    return None if _are_near(pose.x, pose.y, pose.theta) else "the place is farther away than any map is large"
+    return None if _are_near(pose.x, pose.y, pose.theta) else "the coordinates of the place are too large for any map"
 
 
 def _are_near(*numbers: float) -> bool:

@@ -31,7 +31,7 @@ WatchEvent: TypeAlias = WatchConnected | SessionMessage | ConnectionLost
 class WatchClient(ReconnectingClient):
     """Client that receives a session's messages, and reconnects until `run` is cancelled.
 
-    `run` needs an event loop, for example that of a separate thread. All other methods may be called from any thread.
+    `run` needs an event loop, for example in a separate thread. All other methods may be called from any thread.
 
     Args:
         host: host of the watch server.

@@ -60,7 +60,7 @@ class ArenaFloor:
         footprint: corners of a robot in its own frame, meters.
 
     Attributes:
-        map: the map for the footprint.
+        map: traversability map for the footprint.
     """
 
     def __init__(self, grid: OccupancyGrid, footprint: Polygon) -> None:
@@ -98,7 +98,7 @@ class ArenaFloor:
         return tuple(told)
 
     def taken(self, arena: Arena, *but: int) -> Mask:
-        """Return the cells of all rooms except those in `but`."""
+        """Return the cells of all rooms except the rooms in `but`."""
         taken = np.zeros(self.map.grid.cells.shape, dtype=np.bool_)
         for room in arena.rooms:
             if room.room.people not in but:
@@ -150,7 +150,7 @@ class ArenaFloor:
         return made if isinstance(made, RequestRefused) else with_room(arena, made)
 
     def with_starts(self, arena: Arena, starts: tuple[Pose2, ...], index: int) -> Outcome:
-        """Return the arena with other start poses; the one at `index` is new or moved."""
+        """Return the arena with other start poses; the start pose at `index` is new or moved."""
         start, needed = starts[index], self.map.circumscribed
         if self.map.clearance_at(start) <= needed:
             return self._too_narrow(ArenaRefusalReason.START)

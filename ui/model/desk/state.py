@@ -50,7 +50,7 @@ def desk_state(
     Args:
         design: the study.
         progress: progress of all people after these entries.
-        entries: the whole log.
+        entries: all entries of the log.
         `told`: all other data.
     """
     own: defaultdict[str, list[LoggedEvent]] = defaultdict(list)

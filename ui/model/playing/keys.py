@@ -102,7 +102,7 @@ HELP = KeyBinding(("F1", "H"), ShowHelp(), "keys.help")
 WAITING_KEY = "W"
 """Second key of `ShowNext`.
 
-It is printed on the button that shows the waiting pop-ups, because "Esc" would be unclear there.
+The key is printed on the button that shows the waiting pop-ups, because "Esc" would be unclear there.
 """
 
 _TABLES = (PLAYING, CONSENT, OVER, (HELP,))
@@ -229,7 +229,7 @@ def help_lines(
     Args:
         texts: texts of the window's language.
         rooms: number of rooms; 0 before there is a game.
-        properties: True if the participant can ask robots to sense more, or can report a property.
+        properties: True if the participant can ask robots to sense further properties, or can report properties.
         numbered: True if answers to robots are numbered.
         silent: reason why there is no sound, shown in place of the effect of the sound key; empty if there is sound.
     """

@@ -156,7 +156,7 @@ def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
 
 
 def _can_look(hunt: HuntMemory, room: RoomView) -> bool:
-    """Return True if a robot is at rest in a room and could report what it senses."""
+    """Return True if a robot is at rest in a room, and can sense the treasure there."""
     return isinstance(rules.sense(hunt.known.state, Room(room.room)), tuple)
 
 

@@ -401,7 +401,7 @@ def _default_of(field: "dataclasses.Field[object]") -> str:
 
 
 def _is_mapping(hint: object) -> bool:
-    """Return True for the type of a mapping from text."""
+    """Return True if a type is a mapping whose keys are texts."""
     return get_origin(hint) is Mapping and get_args(hint)[0] is str
 
 

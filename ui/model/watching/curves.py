@@ -9,7 +9,7 @@ import numpy as np
 from sim.numerics.float_array import FloatArray
 
 MAX_SAMPLES = 20_000
-"""Greatest number of samples in a curve: half an hour at ten per second.
+"""Greatest number of samples in a curve, enough for half an hour with ten samples per second.
 
 Longer curves keep fewer samples in their older half.
 """
@@ -93,7 +93,7 @@ class Curve:
 
 
 def joined(pieces: Sequence[FloatArray]) -> FloatArray:
-    """Return (k, 2) pieces of a line, with a row of NaN between each two pieces."""
+    """Join pieces of a line into a (k, 2) array, with a row of NaN between pieces."""
     gap = np.full((1, 2), np.nan)
     return np.concatenate([part for piece in pieces for part in (gap, piece)][1:])
 

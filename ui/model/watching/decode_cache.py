@@ -12,7 +12,7 @@ class DecodeCache(Generic[T]):
     """Decoded values of the last message of each topic; each message is decoded only once.
 
     Args:
-        unpack: function that decodes the bytes of a message; it raises ValueError if they are malformed.
+        unpack: function that decodes the bytes of a message. It raises ValueError if the bytes are malformed.
     """
 
     def __init__(self, unpack: Callable[[bytes], T]) -> None:

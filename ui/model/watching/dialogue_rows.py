@@ -1,4 +1,4 @@
-"""Rows of words about a dialogue for the researcher's window: its moves, beliefs, stores and arguments."""
+"""Table rows about a dialogue for the researcher's window: moves, beliefs, stores and arguments."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
@@ -47,7 +47,7 @@ def move_row(move: DialogueMoveRecord) -> tuple[str, str, str, str]:
 
 
 def rows(shown: DialogueList, portrait: DialoguePortrait) -> Iterator[tuple[str, str, str]]:
-    """Yield the rows of a list, three cells each."""
+    """Yield the rows of a list; each row has three cells."""
     match shown:
         case DialogueList.ARGUMENTS:
             for place, argument in enumerate(portrait.arguments):

@@ -58,7 +58,7 @@ class RobotScene:
         estimate_path: (k, 2) estimated path; a row of NaN where the localizer corrected the pose by a jump.
         cloud: (n, 3) particles, x, y, theta; only some of them unless the robot is selected.
         scan: (m, 2) end points of the beams that hit something, seen from the estimate at the time of the scan.
-        global_costmap: 0 free, 99 inscribed, 100 lethal, -1 unknown, others between.
+        global_costmap: cost of each cell: 0 free, 1 to 98 inflated, 99 inscribed, 100 lethal, -1 unknown.
         local_costmap: same values as `global_costmap`.
         plan: (p, 2) the whole path to the goal.
         local_plan: (q, 2) the next part of the path, from the local planner.
