@@ -125,7 +125,8 @@ def summarise(bag: Path) -> RecordingSummary:
     Args:
         bag: bag, or name of a split recording.
 
-    Raises: BadFile: the file does not exist, is not a ROS 1 bag, or is incomplete or damaged.
+    Raises:
+        BadFile: the file does not exist, is not a ROS 1 bag, or is incomplete or damaged.
     """
     files = [contents(part) for part in parts_of(bag)]
     publishers = sorted((who for file in files for who in file.publishers), key=lambda who: who.topic)

@@ -73,7 +73,8 @@ class VisitOrder(HuntProposition):
 class RoomSequence(HuntProposition):
     """Rooms are visited in this order, each at its position.
 
-    Attributes: rooms: at least two rooms, in order.
+    Attributes:
+        rooms: at least two rooms, in order.
     """
 
     predicate: ClassVar[str] = "tour"

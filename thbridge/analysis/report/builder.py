@@ -42,7 +42,8 @@ TRAJECTORIES = (types.POSE_STAMPED, types.POSE_WITH_COVARIANCE, types.ODOMETRY)
 def trajectory_topics(bag: Path, truth: str | None, estimate: str | None) -> TrajectoryTopics:
     """Return the topics that the user names as a robot's trajectories (`--truth`, `--estimate`).
 
-    Raises: BadFile: the bag has no such topic, the topic has another type, or the bag cannot be read.
+    Raises:
+        BadFile: the bag has no such topic, the topic has another type, or the bag cannot be read.
     """
     if truth is None and estimate is None:
         return FOUND_BY_NAME

@@ -55,7 +55,8 @@ class Literal:
 class Conjunction(Proposition):
     """Several literals at once, such as an order of rooms; its opposite denies each of them (Sklar and Azhar 2015).
 
-    Attributes: literals: at least two literals; none of them is a conjunction.
+    Attributes:
+        literals: at least two literals; none of them is a conjunction.
     """
 
     literals: tuple[Literal, ...]

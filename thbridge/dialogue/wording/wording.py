@@ -28,7 +28,9 @@ class Wording:
     """Words of a robot and a person in their dialogue.
 
     Every move about propositions of the hunt has a sentence, and every line has a sentence. If there are several
-    wordings, `chance`, a random number in [0, 1), chooses one. Attributes:
+    wordings, `chance`, a random number in [0, 1), chooses one.
+
+    Attributes:
         language: the language.
         robot: robot of the dialogue, as index in the team.
         names: names of the rooms.

@@ -50,7 +50,8 @@ def plain_recording(path: Path, work: Path) -> Iterator[Path]:
         path: the file or folder.
         work: a folder for the copy.
 
-    Raises: TooLargeChunk: its unpacked size is above the limit.
+    Raises:
+        TooLargeChunk: its unpacked size is above the limit.
         BadFile: a file of the recording is a pipe or a device, or a link leads out of the recording's folder.
         OSError, YAMLError: a file cannot be read.
     """
@@ -73,7 +74,8 @@ def plain_recording(path: Path, work: Path) -> Iterator[Path]:
 def stored_messages(path: Path, reader: AnyReader, known: list[Connection]) -> Iterator[tuple[Connection, int, bytes]]:
     """Yield the messages of an open reader, with their stamps; messages that are packed one by one are unpacked.
 
-    Raises: TooLargeChunk: the messages are larger than a recording of this size can contain.
+    Raises:
+        TooLargeChunk: the messages are larger than a recording of this size can contain.
     """
     size = size_of(path)
     (opened,) = cast(Sequence[Reader], reader.readers)

@@ -64,7 +64,8 @@ def unpacked(compression: str, packed: bytes, size: int) -> bytes:
         packed: bytes of the chunk in the file.
         size: size of the unpacked data according to the chunk's record, bytes.
 
-    Raises: TooLargeChunk: the unpacked size is above the size in the record, or above the limit for a chunk.
+    Raises:
+        TooLargeChunk: the unpacked size is above the size in the record, or above the limit for a chunk.
         ValueError: the compression is unknown.
         OSError, RuntimeError, EOFError: the stream is damaged.
     """
@@ -86,8 +87,9 @@ def unpacked(compression: str, packed: bytes, size: int) -> bytes:
 def unpacked_message(packed: bytes, so_far: UnpackedBytes) -> bytes:
     """Return the data of a rosbag2 message that is packed with zstd, and count the bytes.
 
-    Raises: TooLargeChunk: the unpacked size is above the limit for a packed chunk of this size, or for the file.
-        ZstdError: it is damaged.
+    Raises:
+        TooLargeChunk: the unpacked size is above the limit for a packed chunk of this size, or for the file.
+        ZstdError: the data are damaged.
     """
     data = b"".join(_zstd_pieces(BytesIO(packed), max(ALWAYS, TIMES_PACKED * len(packed)), so_far))
     if not data and packed:
@@ -98,8 +100,9 @@ def unpacked_message(packed: bytes, so_far: UnpackedBytes) -> bytes:
 def unpack_file(packed: Path, to: Path, so_far: UnpackedBytes) -> None:
     """Unpack a file of rosbag2 that is packed with zstd as a whole.
 
-    Raises: TooLargeChunk: the unpacked size is above the limit for a packed file of this size.
-        ZstdError: it is damaged.
+    Raises:
+        TooLargeChunk: the unpacked size is above the limit for a packed file of this size.
+        ZstdError: the data are damaged.
         OSError: a file cannot be read or written.
     """
     most = max(ALWAYS, TIMES_WHOLE * packed.stat().st_size)
@@ -113,7 +116,8 @@ def check_mcap(path: Path) -> None:
 
     Files of other kinds are ignored.
 
-    Raises: TooLargeChunk: an unpacked size is above the size in the record, or above the limit.
+    Raises:
+        TooLargeChunk: an unpacked size is above the size in the record, or above the limit.
         OSError: the file cannot be read.
     """
     if not is_regular(path):
