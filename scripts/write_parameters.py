@@ -85,7 +85,7 @@ class Row:
     meaning: str = ""
 
     def line(self) -> str:
-        """Return the line of the table."""
+        """Return the row as a line of a Markdown table."""
         cells = (f"`{self.name}`", self.state, self.default, self.hunts, self.unit, self.range, self.meaning)
         return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 

@@ -141,7 +141,7 @@ class NoteHandler(logging.Handler):
     """Handler that prints log records on standard error, above the progress bar if one is shown."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Print a record on one line, or on several if it has a traceback."""
+        """Print a record on one line, or on several lines if it has a traceback."""
         note(self.format(record))
 
 

@@ -40,7 +40,7 @@ In the first hours, caches and data for late watchers grow. `slack` allows this.
 SLOWER = 1.25
 """Greatest ratio of a tick's processor time in the second half after the warm-up to the first half.
 
-If the run measured the yardstick's time, ticks are divided by it.
+If the run measured the time of the yardstick, the times of ticks are divided by it.
 """
 COUNTED = {
     "games": "games",

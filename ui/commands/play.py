@@ -140,7 +140,7 @@ def play(
     from ui.hosting.players import player_of_bot, player_of_person
 
     files, assignments = changes_of(changes or [])
-    # Other programs expect the game of 2016, as do our programs when they run separately.
+    # Other programs expect the game of 2016. Our own programs, if they run separately, expect it, too.
     study = STANDARD if study_file is None and not outside else study_of(study_file, {})
     with bad_input():
         study = with_changes(study, files, assignments)

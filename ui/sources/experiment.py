@@ -62,5 +62,5 @@ class ExperimentSource:
         return desk_state(self._design, self._progress, self._follower.entries[: self._progress.sequence], inputs)
 
     def _look_at_freeze(self) -> None:
-        """Compare the study with its frozen fingerprint, which requires reading all files of the study."""
+        """Compare the study with its frozen fingerprint, which requires reading all files that it covers."""
         self._changed = deviations(self.folder, versions())

@@ -242,7 +242,7 @@ def offset_sentence(offset: TimeOffset | None, applied: float) -> str:
     """
     corrected = f" An offset of {applied:.3f} s is corrected." if applied else ""
     if offset is None:
-        return f"The time offset of odometry to scans is unknown, because the robot turned too little.{corrected}"
+        return f"The time offset between odometry and scans is unknown, because the robot turned too little.{corrected}"
     seconds = offset.seconds + applied
     leads = "ahead of" if seconds >= 0.0 else "behind"
     return (
