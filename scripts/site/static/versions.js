@@ -1,4 +1,4 @@
-// Adds a list of the versions in the folder of this one. versions-list.js, in the folder above, sets window.siteVersions.
+// Adds a list of all versions of the site. versions-list.js, in the folder above this version, sets window.siteVersions.
 document.addEventListener("DOMContentLoaded", () => {
   const root = document.documentElement.dataset.content_root || "./";
   const list = document.createElement("script");

@@ -26,7 +26,7 @@ def maps_new(
     ] = None,
     height: Annotated[
         float | None,
-        typer.Option(help="Height of the whole image in meters, if its two scales differ.", min=0.1),
+        typer.Option(help="Height of the whole image in meters, if vertical and horizontal scale differ.", min=0.1),
     ] = None,
     turn: Annotated[
         float,
