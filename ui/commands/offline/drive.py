@@ -78,7 +78,7 @@ def drive(
 
     for option, numbers in (("--start", start), ("--goal", (*goal, goal_yaw or 0.0)), ("--timeout", (timeout,))):
         if not all(math.isfinite(number) for number in numbers):
-            fail(BAD_INPUT, f"{option}: not a finite number. Write meters, radians, seconds.")
+            fail(BAD_INPUT, f"{option}: a value is not a finite number. Write meters, radians or seconds.")
     with bad_input():
         grid = grid_at(map_yaml)
         files = read_parameters(params or [])

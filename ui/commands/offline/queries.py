@@ -21,7 +21,7 @@ def read_queries(start: tuple[float, float] | None, goal: tuple[float, float] | 
         fail(BAD_INPUT, f"--start, --goal, --batch: give both --start and --goal, or only --batch. {remedy}.")
     for option, place in (("--start", start), ("--goal", goal)):
         if not all(map(math.isfinite, place)):
-            fail(BAD_INPUT, f"{option}: not a finite number. Write meters, such as 1.5.")
+            fail(BAD_INPUT, f"{option}: a value is not a finite number. Write meters, such as 1.5.")
     return np.array([[*start, *goal]])
 
 

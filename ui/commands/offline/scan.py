@@ -42,7 +42,7 @@ def scan(
 
     for option, value in (("--angle-min", angle_min), ("--angle-max", angle_max), ("--pose", sum(pose or ()))):
         if value is not None and not math.isfinite(value):
-            fail(BAD_INPUT, f"{option}: not a finite number. Write a number, such as 1.5.")
+            fail(BAD_INPUT, f"{option}: a value is not a finite number. Write a number, such as 1.5.")
     with bad_input():
         grid = grid_at(map_yaml)
         if (pose is None) == (batch is None):

@@ -130,7 +130,7 @@ def test_a_batch_is_answered_in_order(rooms, tmp_path):
         ((), "--start, --goal, --batch: give both --start"),
         (("--start", 0, 0), "--start, --goal, --batch: give both --start"),
         (("--start", 0, 0, "--goal", 1, 1, "--batch", "b.csv"), "--start, --goal, --batch: give both --start"),
-        (("--start", 0, "nan", "--goal", 1, 1), "--start: not a finite number"),
+        (("--start", 0, "nan", "--goal", 1, 1), "--start: a value is not a finite number"),
         (("--start", 0, 0, "--goal", 1, 1, "--radius", -1), "--radius: -1 is not between"),
         (("--start", 0, 0, "--goal", 1, 1, "--inflation", "nan"), "--inflation: nan is not between"),
         (("--batch", "none.csv"), "none.csv: there is no such file"),
