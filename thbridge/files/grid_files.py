@@ -213,7 +213,7 @@ def write_grid(folder: Path, grid: OccupancyGrid) -> None:
     """Write `map.yaml` and `map.pgm` as map_saver does; a missing folder is created.
 
     Raises:
-        ValueError: some cells are not free, occupied or unknown; these files cannot store them.
+        ValueError: some cells are not free, occupied or unknown; these files cannot store such cells.
         OSError: the folder cannot be created.
         BadFile: a file cannot be written.
     """

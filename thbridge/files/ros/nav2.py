@@ -90,7 +90,7 @@ _SCALE = "1.0"
 """DWB's weight of a listed critic without a weight."""
 _OBSTACLES = ("BaseObstacle", "ObstacleFootprint")
 _DWB_STANDS: tuple[str, ...] = ("max_speed_xy", "max_vel_x", "max_vel_theta", "acc_lim_x", "acc_lim_theta")
-"""Limits with the default 0. If a file leaves them out, a robot with Nav2 does not move."""
+"""Limits with the default 0. If a file leaves these limits out, a robot with Nav2 does not move."""
 _GOAL_CHECKER: Mapping[str, str] = {
     "xy_goal_tolerance": "xy_goal_tolerance",
     "yaw_goal_tolerance": "yaw_goal_tolerance",

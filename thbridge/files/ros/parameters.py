@@ -1,9 +1,9 @@
 """Parameters from the YAML files of a ROS navigation stack.
 
 A file may be for a node's own namespace (`min_particles: 500`), for the root (`amcl: {min_particles: 500}`), or for
-move_base with everything that runs in it. Costmap parameters without a section are for both costmaps, unless the file
-is named with its namespace, `local_costmap:costmap.yaml`. Layers may have any name. Values are read as in ROS's loader:
-`yes` is true, `!degrees 90` and `deg(90)` are angles.
+move_base with all nodes and plugins inside it. Costmap parameters without a section are for both costmaps, unless the
+file is named with its namespace, `local_costmap:costmap.yaml`. Layers may have any name. Values are read as in ROS's
+loader: `yes` is true, `!degrees 90` and `deg(90)` are angles.
 
 If the files have entries for a node, the node's other parameters have ROS's defaults; see `RosFiles.start`.
 """
@@ -342,7 +342,7 @@ class _Sorter:
 
         Parameters get the section that has most of these parameters. The rest get any section that has them.
 
-        The result has unknown sections under an empty name.
+        Unknown sections get an empty name in the result.
 
         Args:
             flat: the parameters.

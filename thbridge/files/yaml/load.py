@@ -102,7 +102,7 @@ def load_tree(path: Path, tree: Node, into: type[T], defaults: T | None = None) 
 
 
 class _Wrong:
-    """Replacement of a value that could not be read; its fault is in the reader's list."""
+    """Replacement of a value that could not be read; the reader's list contains the fault."""
 
 
 _WRONG = _Wrong()
@@ -271,9 +271,8 @@ class _Reader:
         ):
             place = name.place or (f"{key}.{name.text}" if key else name.text)
             if name.text in first_lines:
-                self.wrong(
-                    name.line, place, f"written twice, first in line {first_lines[name.text]}", "Keep one of the two"
-                )
+                problem = f"this key is written twice, first in line {first_lines[name.text]}"
+                self.wrong(name.line, place, problem, "Keep one of the two")
                 continue
             first_lines[name.text] = name.line
             if name.text in ros_only_of(into):
@@ -351,7 +350,7 @@ class _Reader:
                 values[0] = _WRONG
             elif int(name.text) in values:
                 first = self.lines[place]
-                self.wrong(name.line, place, f"written twice, first in line {first}", "Keep one of the two")
+                self.wrong(name.line, place, f"this key is written twice, first in line {first}", "Keep one of the two")
             else:
                 self.lines[place] = name.line
                 # Faults of the section with the defaults were already reported; this section is read for its own
@@ -370,7 +369,7 @@ class _Reader:
             place = f"{key}.{name.text}"
             if name.text in values:
                 first = self.lines[place]
-                self.wrong(name.line, place, f"written twice, first in line {first}", "Keep one of the two")
+                self.wrong(name.line, place, f"this key is written twice, first in line {first}", "Keep one of the two")
             else:
                 self.lines[place] = name.line
                 values[name.text] = self.value(child, str, {}, place)
