@@ -62,7 +62,7 @@ BROKEN = {
     ),
     "moves: [{move: assert, content: argument, speaker: human, say: ['£content£']}]": ("£content£", "£conclusion£"),
     "moves: [{move: assert, content: argument, speaker: human, say: ['£conclusion£']}]": ("must contain £support£",),
-    "moves: [{move: challenge, content: rule, of: next, speaker: human, say: ['£content£']}]": ("for all predicates",),
+    "moves: [{move: challenge, content: rule, of: next, speaker: human, say: ['£content£']}]": ("apply to all predicates",),
     "moves: [{move: assert, content: argument, of: next, robot: self, holds: true, speaker: human, say: ['£room£']}]": (
         "must contain £support£",
     ),
@@ -179,7 +179,7 @@ def test_a_language_that_is_not_there_is_told_with_the_nearest(tmp_path: Path) -
 
 def test_a_locution_of_a_lab_needs_words(tmp_path: Path) -> None:
     own = (*read_rulebook().locutions, Locution("concede", ContentKind.LITERAL))
-    with pytest.raises(BadFile, match=r"concede with a literal has no wording .* said by the robot"):
+    with pytest.raises(BadFile, match=r"concede with a literal, said by the robot, have no wording"):
         read_language(locutions=own)
     text = "moves:\n" + "".join(
         f"  - {{move: concede, speaker: {side}, say: ['I give in: £content£.']}}\n" for side in Side

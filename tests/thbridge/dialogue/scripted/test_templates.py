@@ -49,7 +49,7 @@ def test_good_wordings_pass(wording):
         ("go to £romo£", Scenario.DONT_KNOW, "£romo£", "£room£"),
         ("go to £ROOM£", Scenario.DONT_KNOW, "£ROOM£", "£room£"),
         ("go to £xyzzy£", Scenario.DONT_KNOW, "£xyzzy£", "£cost£"),
-        ("it is £colour£", Scenario.SPECIFIC_ROOM, "at a treasure", "TakePicture:"),
+        ("it is £colour£", Scenario.SPECIFIC_ROOM, "about a treasure", "TakePicture:"),
         ("go to £room", Scenario.DONT_KNOW, "without its partner", "£room£"),
         ("go to room£", Scenario.DONT_KNOW, "without its partner", "£room£"),
     ],
@@ -63,7 +63,7 @@ def test_a_bad_word_is_named_with_the_right_one(wording, scenario, problem, reme
 def test_a_property_of_a_set_is_a_word_beside_its_treasures_only():
     weight = (TreasureProperty("weight", "Weight"),)
     assert word_fault("It is £weight£", Scenario.TAKE_PICTURE, weight) is None
-    assert "at a treasure" in word_fault("It is £weight£", Scenario.DONT_KNOW, weight).problem
+    assert "about a treasure" in word_fault("It is £weight£", Scenario.DONT_KNOW, weight).problem
     assert "£colour£" in word_fault("It is £colour£", Scenario.TAKE_PICTURE, weight).problem
 
 
