@@ -41,7 +41,8 @@ class TreasureProperty:
         sensor: name of the robot's sensor for people, such as `scale`. It may be empty.
         cost: energy for sensing the property.
         drawn: drawing next to the value.
-        said: phrase about a treasure in a sentence, with the property's name between pound signs: `weighing £weight£`.
+        said: phrase about a treasure in a sentence, with the property's name between pound signs, such as
+            `weighing £weight£`.
         words: words for the values in a sentence, in the participant's language. They are not in recordings.
     """
 

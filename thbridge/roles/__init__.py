@@ -1,1 +1,2 @@
-"""Programs of the game without sockets: one step per tick takes messages and returns messages. Also their notices."""
+"""Programs of the game without sockets. Each step of a program receives messages and returns messages. This package
+also has the notices between the programs."""

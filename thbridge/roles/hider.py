@@ -1,4 +1,4 @@
-"""Hider: the treasures' program of 2016. It chooses the treasure of each room and answers questions about it."""
+"""Hider: the program for treasures in the study of 2016. It chooses the treasures and answers questions about them."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -31,26 +31,26 @@ from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import COUNTED, Notice, encode_notice, is_notice, parse_notice
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND
-"""Ticks that a question waits for a keeper. If no keeper has sent a notice by then, Hider answers as in 2016."""
+"""Number of ticks for which a question waits for a keeper. Then Hider answers the question itself, as in 2016."""
 
 
 MOST_ROOMS = 1000
-"""Largest accepted number of rooms. No map has as many rooms, so a larger number is a mistake."""
+"""Largest accepted number of rooms. No map has more rooms, so a larger number is a mistake."""
 
 _Question = AskTreasure | SnapTreasure | NameTreasure
 
 
 class Hider:
-    """The treasures' role.
+    """Role that hides the treasures.
 
     It chooses the treasures of every game randomly, from its seed and the game's number. The keeper receives and stores
-    them. So a restarted Hider has nothing to restore. The keeper decides on every question and determines the reply.
-    Without a keeper (at a server that is not ours) Hider answers by itself as in 2016.
+    the treasures, so a restarted Hider does not need to restore its state. The keeper answers all questions, and Hider
+    sends the answers. Without a keeper (at the server of another program), Hider answers itself, as in 2016.
 
     Args:
         kinds: kinds of treasures, with their pictures.
         seed: random seed.
-        rooms: number of rooms to fill if there is no keeper (the number in the treasures file).
+        rooms: number of rooms if there is no keeper (from the treasures file).
         properties: properties of the kinds.
     """
 
@@ -69,7 +69,7 @@ class Hider:
         self._questions: list[tuple[int, _Question]] = []
 
     def connected(self) -> None:
-        """Introduce Hider to the keeper in the next step."""
+        """Send a notice to the keeper in the next step that Hider is connected."""
         self._introduce = True
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:

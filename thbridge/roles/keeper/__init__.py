@@ -1,1 +1,2 @@
-"""The keeper: the only authority for a game's state. It decides on requests, and sends orders, views and pictures."""
+"""The keeper: the only program that changes a game's state. It decides on requests, and sends orders, views and
+pictures."""

@@ -1,4 +1,4 @@
-"""Agreements of participant and robots, and the last words of their dialogues."""
+"""Agreements between the participant and robots, and the last sentences of their dialogues."""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -27,7 +27,7 @@ MATTERS: dict[Scenario, DialogueMatter] = {
 
 
 class Agreements:
-    """Agreements on which the participant has not acted yet.
+    """Agreements that are not carried out yet.
 
     Attributes:
         all: the agreements, oldest first.
@@ -41,18 +41,18 @@ class Agreements:
         self.all += (consent,)
 
     def is_agreed(self, robot: int, matter: DialogueMatter, room: Room, name: str = "") -> bool:
-        """Return True when the participant may act on this now; if a name was agreed upon, only with this name."""
+        """Return True if there is an agreement on this act. An agreement with a name is valid only for this name."""
         return any(
             (consent.robot, consent.matter, consent.room) == (robot, matter, room.people) and consent.name in {"", name}
             for consent in self.all
         )
 
     def has(self, robot: int, matter: DialogueMatter) -> bool:
-        """Return True when there is an agreement with a robot on a matter."""
+        """Return True if there is an agreement with a robot on a matter."""
         return any((consent.robot, consent.matter) == (robot, matter) for consent in self.all)
 
     def covers(self, scenario: Scenario, robot: int, room: Room, name: str) -> bool:
-        """Return True when a dialogue about this would repeat an agreement."""
+        """Return True if a dialogue about this would only repeat an agreement."""
         if scenario is Scenario.UNSURE_NAME:
             return any(
                 (consent.robot, consent.matter, consent.room) == (robot, MATTERS[scenario], room.people)
@@ -61,33 +61,33 @@ class Agreements:
         return self.is_agreed(robot, MATTERS[scenario], room, name)
 
     def withdraw(self, robot: int, matter: DialogueMatter) -> None:
-        """Withdraw an agreement, because it was carried out or its matter is open again."""
+        """Remove an agreement, because it was carried out or its matter is open again."""
         self.all = tuple(consent for consent in self.all if (consent.robot, consent.matter) != (robot, matter))
 
     def drop_stale(self, state: GameState) -> None:
-        """Withdraw agreements that no longer have a purpose."""
+        """Remove agreements that can no longer be carried out."""
         self.all = tuple(
             consent for consent in self.all if still_open(state, consent.robot, consent.matter, Room(consent.room))
         )
 
 
 class LastSentences:
-    """Last words of dialogues that have ended, at most one per robot.
+    """Last sentences of ended dialogues, for at most one dialogue per robot.
 
     Attributes:
-        all: the last words, oldest first.
+        all: the last sentences, oldest dialogue first.
     """
 
     def __init__(self) -> None:
         self.all: tuple[LastWords, ...] = ()
 
     def keep(self, dialogue: Dialogue, utterances: tuple[DialogueUtterance, ...], *, agreed: bool) -> None:
-        """Keep the last words of a dialogue, unless the robot agreed without a word."""
+        """Store the last sentences of a dialogue, unless the robot agreed without a sentence."""
         if agreed and not dialogue.turns:
             return
         said_truly = true_utterances(utterances, agreed=agreed)
         topic, (said, speakers) = dialogue.topic, sentences(said_truly)
-        # If the matter is carried out, the robot's last sentence says so. If not, only a conclusion says so.
+        # If the agreement is carried out, the robot's last sentence states this. Otherwise only a conclusion states it.
         is_told = agreed or any(isinstance(each.move, Conclude) for each in said_truly[-1:])
         matter = MATTERS[topic.scenario]
         words = LastWords(dialogue.number, topic.robot, matter, topic.room.people, said, speakers, agreed, is_told)
@@ -95,11 +95,11 @@ class LastSentences:
         self.all += (words,)
 
     def forget(self, robot: int) -> None:
-        """Forget the last words of a robot."""
+        """Remove the last sentences of a robot's dialogue."""
         self.all = tuple(words for words in self.all if words.robot != robot)
 
     def drop_stale(self, state: GameState, agreements: Agreements) -> None:
-        """Forget last words that no longer matter."""
+        """Remove last sentences that are no longer relevant."""
         agreed = {(consent.robot, consent.matter, consent.room) for consent in agreements.all}
         self.all = tuple(
             words
@@ -111,13 +111,13 @@ class LastSentences:
 def sentences(
     utterances: Sequence[DialogueUtterance],
 ) -> tuple[tuple[str, ...], tuple[Literal["robot", "person"], ...]]:
-    """Return the sentences and their speakers; turns that open or close the list of questions are no sentences."""
+    """Return the sentences and their speakers. Ignore turns that only open or close the list of questions."""
     said = [each for each in utterances if not isinstance(each.move, OpenQuestions | CloseQuestions)]
     return tuple(each.text for each in said), tuple(each.speaker.value for each in said)
 
 
 def true_utterances(utterances: tuple[DialogueUtterance, ...], *, agreed: bool) -> tuple[DialogueUtterance, ...]:
-    """Return the utterances without conclusions about something that is not carried out."""
+    """Return the utterances without conclusions about acts that are not carried out."""
 
     def is_true(move: Move) -> bool:
         return agreed or not isinstance(move, Conclude) or move.about is None
@@ -126,7 +126,7 @@ def true_utterances(utterances: tuple[DialogueUtterance, ...], *, agreed: bool) 
 
 
 def still_open(state: GameState, robot: int, matter: DialogueMatter, room: Room) -> bool:
-    """Return True while a robot can still carry out the matter of a dialogue or agreement."""
+    """Return True if a robot can carry out the matter of a dialogue or agreement."""
     if state.ended is not None:
         return False
     if matter == "select-room":
@@ -136,7 +136,11 @@ def still_open(state: GameState, robot: int, matter: DialogueMatter, room: Room)
 
 
 def _still_matters(state: GameState, words: LastWords) -> bool:
-    """Return True until the agreement is carried out; without one, until the robot moves or the treasure is decided."""
+    """Return True if last sentences are relevant.
+
+    With an agreement, they are relevant until it is carried out. Otherwise, they are relevant until the robot moves or
+    there is a decision on the treasure.
+    """
     if state.ended is not None:
         return False
     robot, room = state.robots[words.robot], Room(words.room)

@@ -1,4 +1,4 @@
-"""Open dialogues of robots and participant, and agreements that are not carried out yet."""
+"""Open dialogues between robots and the participant, and agreements that are not carried out yet."""
 
 import math
 from dataclasses import dataclass, replace
@@ -36,15 +36,15 @@ from thbridge.roles.shared.view import Consent, DialogueMatter, DialogueView
 
 @dataclass(frozen=True, slots=True)
 class HeldTurn:
-    """A puppet's turn in a dialogue, which waits for the person who speaks in its place.
+    """A turn in a dialogue of a puppet. The turn waits for the person who speaks for the robot.
 
     Attributes:
         dialogue: number of the dialogue.
         turn: index of the move in the dialogue, from 0.
-        robot: index in the team, from 0.
+        robot: index of the robot, from 0.
         scenario: matter of the dialogue.
-        room: number of the room it is about.
-        sentences: sentences of the legal moves, in their order.
+        room: number of the room in the dialogue.
+        sentences: sentences of the legal moves, in order.
     """
 
     dialogue: int
@@ -56,22 +56,22 @@ class HeldTurn:
 
 
 class GameDialogues:
-    """The open dialogues of one game, at most one per robot, and the agreements from them.
+    """The open dialogues of a game, at most one per robot, and their agreements.
 
     Args:
-        engine: runs the dialogues.
+        engine: engine of the dialogues.
         puppets: robots for which a person speaks (Wizard-of-Oz).
         room_names: names of the map's rooms.
 
     Attributes:
-        puppets: robots for which a person speaks now.
+        puppets: robots for which a person speaks at present.
         argues: True if dialogues need the facts of robots.
-        asked_for_advice: puppets that the participant has asked where to go, in order; their dialogues begin later.
+        asked_for_advice: puppets that the participant has asked for advice, in order. Their dialogues are not open yet.
         under_way: the open dialogues.
         agreements: agreements that are not carried out yet.
-        last_words: last words of dialogues that have ended.
+        last_words: last sentences of ended dialogues.
         memories: memories of the robots.
-        not_restored: numbers of dialogues that were open when the game was interrupted, and could not be resumed.
+        not_restored: numbers of dialogues that could not be resumed after an interruption of the game.
     """
 
     def __init__(
@@ -117,19 +117,20 @@ class GameDialogues:
         name: str = "",
         restored: int | None = None,
     ) -> None:
-        """Open a dialogue. An earlier dialogue with this robot, and an agreement on the same matter, are withdrawn.
+        """Open a dialogue. Close an earlier dialogue with this robot, and remove an agreement on the same matter.
 
         Args:
             state: state of the game.
             scenario: the decision.
-            robot: index in the team.
-            room: the room that it is about.
-            reason: reason of a suggestion, as part of a sentence.
-            confidence: confidence to be stated in a suggestion, 0 to 1, or None.
+            robot: index of the robot.
+            room: the room in the dialogue.
+            reason: reason for a suggestion, as part of a sentence.
+            confidence: confidence that the robot states in a suggestion, 0 to 1, or None.
             facts: facts of an arguing robot.
-            opener: the side that opens it.
+            opener: the side that opens the dialogue.
             name: proposed name of the treasure.
-            restored: number of the dialogue before the game was interrupted; `retake` then repeats its turns.
+            restored: number of the dialogue before an interruption of the game; then `retake` repeats its turns. None
+                for a new dialogue.
         """
         self._forget(robot, MATTERS[scenario])
         room_name = self._room_names.name(room.people)
@@ -141,13 +142,13 @@ class GameDialogues:
         self._follow(state, self._engine.open(self._opened, topic, held=held, former=former))
 
     def retake(self, state: GameState, said: DialogueSaid) -> None:
-        """Repeat a turn from a journal; if it is no longer legal, the dialogue is withdrawn."""
+        """Repeat a turn from a journal. If the turn is no longer legal, close the dialogue."""
         self._opened = max(self._opened, said.dialogue)
         dialogue = self.under_way.numbered(said.dialogue)
         if dialogue is None:
             return
         if said.turn < len(dialogue.turns):
-            # `open` has already made the opening move. Here it only has to be the same.
+            # `open` has already made the opening move, which must be equal to this move.
             if move_text(dialogue.turns[said.turn].move) == said.move:
                 return
         elif said.turn == len(dialogue.turns):
@@ -161,30 +162,30 @@ class GameDialogues:
         self.not_restored += (dialogue.number,)
 
     def go_on(self, state: GameState) -> None:
-        """Let robots make the turns that were due when the game was interrupted; restored turns are not repeated."""
+        """Let robots make the turns that were due at the interruption of the game. Do not repeat restored turns."""
         self._utterances.clear()
         for dialogue in self.under_way:
             self._follow(state, self._engine.release(dialogue))
 
     def await_advice(self, robot: int) -> None:
-        """Note that the participant asked a puppet where to go; its dialogue and agreement are withdrawn."""
+        """Record that the participant asked a puppet for advice. Remove its dialogue and its agreement on a room."""
         self._forget(robot, "select-room")
         self.asked_for_advice += (robot,)
 
     def has_advised(self, robot: int) -> bool:
-        """Return True while an earlier request for this robot's advice is pending, discussed or agreed upon."""
+        """Return True if an earlier request for this robot's advice is pending or discussed, or led to an agreement."""
         waits = robot in self.asked_for_advice or self.under_way.suggestion_stands(robot)
         return waits or self.agreements.has(robot, "select-room")
 
     def is_discussed(self, scenario: Scenario, robot: int, room: Room, name: str = "") -> bool:
-        """Return True while this robot and the participant talk about exactly this, or have agreed on it."""
+        """Return True if this robot and the participant talk about exactly this decision or have agreed on it."""
         dialogue = self.under_way.of(robot)
         topic = None if dialogue is None else dialogue.topic
         is_open = topic is not None and (topic.scenario, topic.room, topic.name) == (scenario, room, name)
         return is_open or self.agreements.covers(scenario, robot, room, name)
 
     def answer(self, state: GameState, number: int, turn: int, choice: int) -> None:
-        """Make the participant's choice; a choice for an earlier turn changes nothing."""
+        """Make the move that the participant chose. Ignore a choice for an earlier turn."""
         dialogue = self.under_way.at_turn(number, turn)
         choices = () if dialogue is None else self._engine.choices(dialogue)
         if dialogue is not None and 0 <= choice < len(choices):
@@ -192,7 +193,7 @@ class GameDialogues:
             self._follow(state, self._engine.move(dialogue, choices[choice].move, held=held))
 
     def decided_alone(self, state: GameState, robot: int, room: Room, waited: float) -> None:
-        """Let a robot announce that it goes to a room by its own decision, after it has waited `waited` seconds."""
+        """Let a robot announce its own decision for a room, after it has waited `waited` seconds."""
         self._forget(robot, "select-room")
         topic = _topic(state, Scenario.DONT_KNOW, robot, room, self._room_names.name(room.people))
         self._opened += 1
@@ -208,7 +209,7 @@ class GameDialogues:
         self.puppets |= {robot}
 
     def release(self, state: GameState | None, robot: int) -> None:
-        """Let the robot speak for itself again, at once if it is its turn; a pending request for advice is dropped."""
+        """Let the robot speak for itself again, at once if it is its turn. Drop a pending request for advice."""
         self.puppets -= {robot}
         self.asked_for_advice = _without(self.asked_for_advice, robot)
         dialogue = self.under_way.of(robot)
@@ -216,7 +217,7 @@ class GameDialogues:
             self._follow(state, self._engine.release(dialogue))
 
     def speak_for(self, state: GameState, number: int, turn: int, move: int, text: str) -> None:
-        """Make a puppet's move; a move for an earlier turn changes nothing."""
+        """Make a puppet's move. Ignore a move for an earlier turn."""
         dialogue = self.under_way.at_turn(number, turn)
         choices = () if dialogue is None else self._engine.choices(dialogue, Speaker.ROBOT)
         if dialogue is not None and 0 <= move < len(choices):
@@ -239,7 +240,7 @@ class GameDialogues:
 
     @property
     def discussed(self) -> tuple[Discussed, ...]:
-        """Matters of open dialogues, then matters of agreements."""
+        """Matters of open dialogues, followed by matters of agreements."""
         topics = (dialogue.topic for dialogue in self.under_way)
         return (
             *(Discussed(topic.robot, MATTERS[topic.scenario], topic.room.people) for topic in topics),
@@ -247,7 +248,7 @@ class GameDialogues:
         )
 
     def drop_stale(self, state: GameState) -> None:
-        """Withdraw dialogues without a purpose: the robot has left, the room is taken, or the treasure is decided."""
+        """Close dialogues that have become useless: the robot left, or the room or treasure is no longer available."""
         for dialogue in self.under_way:
             topic = dialogue.topic
             if not still_open(state, topic.robot, MATTERS[topic.scenario], topic.room):
@@ -263,7 +264,7 @@ class GameDialogues:
         )
 
     def views(self) -> tuple[DialogueView, ...]:
-        """Return the open dialogues as the participant sees them."""
+        """Return the open dialogues in the form for the participant."""
         views = []
         for dialogue in self.under_way:
             topic, choices = dialogue.topic, self._engine.choices(dialogue)
@@ -292,7 +293,7 @@ class GameDialogues:
             self._utterances += step.utterances
             self.under_way.put(step.dialogue)
             return
-        # While participant and robot talked, another robot may have done what they finally agreed upon.
+        # During the dialogue, another robot may have carried out the same decision.
         can_be_done = still_open(state, topic.robot, matter, topic.room)
         agreed = step.outcome is DialogueOutcome.CONSENSUS and can_be_done
         self.under_way.drop(topic.robot)
@@ -303,7 +304,7 @@ class GameDialogues:
             self.agreements.add(Consent(topic.robot, matter, topic.room.people, topic.name))
 
     def _forget(self, robot: int, matter: DialogueMatter) -> None:
-        """Withdraw a robot's dialogue, its request for advice, and its agreement on this matter."""
+        """Remove a robot's dialogue, its request for advice, and its agreement on this matter."""
         self.agreements.withdraw(robot, matter)
         self.asked_for_advice = _without(self.asked_for_advice, robot)
         self.under_way.drop(robot)
@@ -336,7 +337,7 @@ def _topic(state: GameState, scenario: Scenario, robot: int, room: Room, room_na
 
 
 def _nearest_other(state: GameState, robot: int, room: Room) -> int | None:
-    """Return the other robot that could get to a room with the least energy, or None."""
+    """Return the other robot that can drive to a room with the least energy, or None."""
     costs = {
         other: state.cost(other, room)
         for other, mover in enumerate(state.robots)

@@ -1,4 +1,4 @@
-"""Initiative of robots: their suggestions, the dialogues that they open, and their own decisions."""
+"""Initiative of robots: their suggestions, dialogues and own decisions."""
 
 from msgspec import structs
 
@@ -18,11 +18,11 @@ from thbridge.roles.shared.view import RequestSuggestion
 from thbridge.text_protocol.wire.notice import kind_of
 
 _READING = 30 * TICKS_PER_SECOND
-"""Smallest number of ticks that a robot gives the participant to read its sentences and answer."""
+"""Number of ticks for which a robot waits at least for the participant to read its sentences and answer."""
 
 
 def suggest(game: OpenGame, state: GameState, robot: int, advice: Advice, *, unasked: bool = False) -> None:
-    """Record an advice, and let the robot open the dialogue about it."""
+    """Record a robot's advice, and let the robot open the dialogue about it."""
     room = advice.room
     if game.dialogues.argues:
         chosen = game.dialogues.memories.decision(game.where_facts(state, robot, room))
@@ -39,15 +39,16 @@ def suggest(game: OpenGame, state: GameState, robot: int, advice: Advice, *, una
 def discuss(
     game: OpenGame, state: GameState, scenario: Scenario, robot: int, room: Room, name: str | None = None
 ) -> None:
-    """Open the dialogue about a participant's request, unless it is open already or has led to an agreement.
+    """Open the dialogue about a participant's request, unless it is already open or has led to an agreement.
 
     Args:
         game: the open game.
         state: state of the game.
         scenario: the decision.
-        robot: index in the team.
-        room: the room that it is about.
-        name: proposed name of the treasure. If empty, the participant asks what it is. If None, they propose no name.
+        robot: index of the robot.
+        room: the room in the request.
+        name: proposed name of the treasure. If empty, the participant asks for the name. If None, the request is about
+            another matter than a name.
     """
     if name == "" and game.dialogues.argues:
         scenario = Scenario.UNSURE_NAME
@@ -70,11 +71,11 @@ def _opening(
 
 
 def decide_alone(game: OpenGame, timeout: int) -> bool:
-    """Let robots decide by themselves if the participant has ignored them for too long; return True if there are any.
+    """Let robots decide alone if the participant has ignored them for too long. Return True if there are such robots.
 
     Args:
         game: the open game.
-        timeout: ticks without the participant's attention after which a robot decides by itself.
+        timeout: number of ticks without the participant's attention after which a robot decides alone.
     """
     state = game.state
     if state is None:
@@ -82,7 +83,7 @@ def decide_alone(game: OpenGame, timeout: int) -> bool:
     waiting = [
         robot
         for robot in neglected(state, game.attended, game.tick, timeout)
-        # In an open dialogue the participant may be reading the robot's reasons, so the robot waits longer.
+        # During a dialogue, the participant may be reading the robot's reasons, so the robot waits longer.
         if robot not in game.dialogues.under_way or game.tick - game.attended.get(robot, 0) >= _READING
     ]
     for robot in waiting:
@@ -109,7 +110,7 @@ def _decide_alone(game: OpenGame, state: GameState, robot: int, timeout: int) ->
 
 
 def report_failures(game: OpenGame) -> None:
-    """Let arguing robots suggest another room after they have failed to reach a room."""
+    """Let arguing robots suggest another room after they failed to reach a room."""
     unreached = game.knowledge.unreached
     for robot in unreached.to_report:
         state = game.state

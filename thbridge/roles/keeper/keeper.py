@@ -1,8 +1,8 @@
-"""The keeper of the game: the only authority for treasures, visited rooms, energy and score.
+"""The keeper of the game. Only the keeper changes treasures, visited rooms, energy and score.
 
-It runs next to the router, reads every forwarded line (a *tap*), and receives requests as notices. Its decisions are
-events. The caller must write them to the journal before it passes on the messages of the same step. So no program
-learns of an event that a crash could lose.
+The keeper runs next to the router, reads every forwarded line (a *tap*), and receives requests as notices. Its
+decisions are events. The caller must write the events to the journal before it sends the messages of the same step. So
+a crash cannot lose an event that another program already knows.
 """
 
 import math
@@ -95,22 +95,22 @@ _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed 
 _WISHES = {kind_of(kind) for kind in get_args(ParticipantRequest)}
 _AFTER_AGREEING = _WISHES - {kind_of(GiveConsent)}
 _COUNTED_WISHES = _AFTER_AGREEING - {kind_of(PlayAgain)}
-"""Requests that count only once. `PlayAgain` is not one of them: it names the finished game, so its repetitions have no
-effect; it is repeated until robots join."""
+"""Requests whose repetitions are ignored. `PlayAgain` is not included: it names the finished game, so repetitions have
+no effect. Programs repeat it until robots join."""
 _QUOTED = 200
-"""Largest number of characters of a refused line that are quoted."""
+"""Largest number of characters in the quotation of a refused line."""
 
 
 @dataclass(frozen=True, slots=True)
 class GameRules:
-    """Rules of the game that a study sets.
+    """Rules of the game from the study.
 
     Attributes:
-        seed: random seed; recorded.
+        seed: random seed of the game.
         energy: energy of each robot at the start.
         picture_cost: energy of taking a picture.
         identify_cost: energy of naming a treasure.
-        wrong_share: share of a treasure's points that a wrong name costs.
+        wrong_share: points that a wrong name costs, as a share of the treasure's points.
     """
 
     seed: int
@@ -120,7 +120,7 @@ class GameRules:
     wrong_share: float
 
     def start(self, game: int, robots: int, costs: CostMatrix, properties: tuple[TreasureProperty, ...]) -> GameStarted:
-        """Return the event that starts the game with this number and a team of this size; see `GameStarted`."""
+        """Return the event that starts a game; see `GameStarted`."""
         return GameStarted(
             seed=self.seed,
             game=game,
@@ -140,7 +140,7 @@ class ProgramRefusal:
 
     Attributes:
         program: name of the program.
-        asked: the line, or the kind of the notice.
+        asked: the refused line, or the kind of the refused notice.
         refused: the reason.
     """
 
@@ -149,7 +149,7 @@ class ProgramRefusal:
     refused: RequestRefused
 
     def __str__(self) -> str:
-        """Return a sentence for logs: `refused "%%goto TabUI SimR 0 39 39 45" of TabUI: Room 40 is not a room ...`."""
+        """Return a sentence for logs, such as `refused "%%goto TabUI SimR 0 39 39 45" of TabUI: Room 40 is ...`."""
         if self.refused.reason == LineReason.NOBODY:
             return f'could not deliver "{self.asked}" of {self.program}: {self.refused.sentence}'
         return f'refused "{self.asked}" of {self.program}: {self.refused.sentence}'
@@ -160,9 +160,9 @@ class KeeperDecisions:
     """Decisions of one step of the keeper.
 
     Attributes:
-        entries: entries for the journal: the events of the game and the utterances between them, in order.
-        utterances: utterances of its dialogues, in order.
-        wizard: the turns that wait for a wizard.
+        entries: entries for the journal: the events of the game and the utterances, in order.
+        utterances: utterances in dialogues, in order.
+        wizard: turns that wait for a wizard.
         refusals: refused requests of programs, in order.
     """
 
@@ -178,21 +178,21 @@ class KeeperDecisions:
 
 
 class Keeper:
-    """The game's authority; see the module's description.
+    """Keeper of the game; see the module's description.
 
     Args:
         rules: rules of the game.
-        engine: factory of the dialogue engine of a game, given the game's number.
-        history: entries of the game in progress from its journal, oldest first; empty for a new game.
-        last_game: number of the last game so far; the next game gets the number after it.
+        engine: function that returns the dialogue engine for the game with a number.
+        history: entries of the unfinished game from its journal, oldest first; empty for a new game.
+        last_game: number of the last game. The next game gets the following number.
         briefing: data for participants in addition to the state of the game.
-        adviser: suggests rooms in the place of robots.
-        attention_timeout: ticks without the participant's attention after which a robot decides by itself. If None, it
-            waits for an unlimited time.
-        tells_refusals: True sends refusals to programs of 2016, by `%%error`.
+        adviser: adviser that computes the robots' suggestions.
+        attention_timeout: number of ticks without the participant's attention after which a robot decides alone. If
+            None, robots wait without limit.
+        tells_refusals: True to send refusals to programs of 2016, by `%%error`.
 
     Attributes:
-        decisions: decisions of the last step; the caller must write their entries to the journal before anything else.
+        decisions: decisions of the last step. The caller must first write their entries to the journal.
     """
 
     name = KEEPER
@@ -225,7 +225,7 @@ class Keeper:
         self._participants = Participants(KEEPER, self._briefing)
         self._consent = ConsentAnswer(self._briefing.consent is not None)
         self._debrief: Debrief | None = None
-        # Input and output of the current step, and the decisions of the last one.
+        # Input and output of the current step, and the decisions of the last step.
         self._has_input = False
         self._requests: list[GameRequest] = []
         self._outgoing: list[TextMessage] = []
@@ -233,17 +233,17 @@ class Keeper:
 
     @property
     def state(self) -> GameState | None:
-        """The current game, or the last game if it is over; None before the first game."""
+        """State of the current or last game; None before the first game."""
         return self._game.state
 
     @property
     def last_game(self) -> int:
-        """Number of the current or last game; before the first game, one less than the first game's number."""
+        """Number of the current or last game. Before the first game, the first game's number minus 1."""
         return self._game.last_game
 
     @property
     def dialogues_not_restored(self) -> tuple[int, ...]:
-        """Numbers of dialogues that were open when the game was interrupted, and could not be resumed."""
+        """Numbers of dialogues that could not be resumed after an interruption of the game."""
         return self._game.dialogues.not_restored
 
     @property
@@ -252,10 +252,10 @@ class Keeper:
         return self._consent.status(self.state)
 
     def connected(self) -> None:
-        """Do nothing: the other programs introduce themselves to the keeper."""
+        """Do nothing. The other programs send notices to the keeper when they are connected."""
 
     def tap(self, forwarded: Sequence[Forwarded]) -> None:
-        """Process the lines that were forwarded since the last step; must be called right before `step`."""
+        """Process the lines that were forwarded since the last step. Call this directly before `step`."""
         for item in forwarded:
             if item.message.sender == self.name and not item.delivered:
                 self._participants.note_unreachable(item.message.receiver)
@@ -278,8 +278,8 @@ class Keeper:
     def _handle_line(self, item: Forwarded) -> None:
         if self.state is None:
             return
-        # Only for our own programs: programs of 2016 have dialogues internally, and the keeper does not see their
-        # agreements.
+        # This is only for our own programs. The dialogues of programs of 2016 are internal, so the keeper does not know
+        # their agreements.
         ours = item.sender_extended and item.message.sender in self._participants
         request = decode_request_line(item)
         if ours and request is not None and self._consent.awaited(self.state):
@@ -290,7 +290,7 @@ class Keeper:
             self._send(legacy.HIDER, LegacyReply(reply.command, reply.text))
 
     def ask(self, request: GameRequest) -> None:
-        """Queue a request for the next step, before the messages of that step."""
+        """Queue a request for the next step. It will be processed before the messages of that step."""
         self._requests.append(request)
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
@@ -319,16 +319,16 @@ class Keeper:
                 now = self._game.refusal
                 if value.kind in _WISHES and now is not None and now is not last:
                     self._note_refusal(value.sender, value.kind, RequestRefused(now.reason, now.sentence))
-        # After the messages, because a message of the same tick has the new prices of a robot that has stopped.
+        # This comes after the messages, because a message of the same tick has the new prices of a stopped robot.
         report_failures(self._game)
         wizard = self.decisions.wizard
-        # Done only after input, because the state changes only by messages and requests, and most ticks have none.
+        # Without input, the state cannot have changed. Most ticks have no input.
         if self._has_input:
             self._has_input = False
             if self.state is not None:
                 sense_for_stations(self._game, self.state)
             if self.state is not None:
-                # Decisions are awaited only from our own programs: programs of 2016 never give a treasure up.
+                # Wait for decisions only of our own programs: programs of 2016 never leave a treasure.
                 awaits = not self._participants.is_empty
                 self._game.record(rules.ending(self.state, wait_for_decisions=awaits))
             self._send_notices()
@@ -376,18 +376,18 @@ class Keeper:
             case PlayAgain(game):
                 self._play_again(game)
             case ParticipantFault() | None:
-                pass  # A fault is only recorded.
+                pass  # Faults are only recorded.
             case _:
                 if state is not None:
                     awaits = self._hider.awaits_treasures(state)
                     handle_participant_request(self._game, state, value, awaits_treasures=awaits)
 
     def _is_turned_away(self, notice: Notice) -> bool:
-        """Return True for a repeated request, or a request before the participant has agreed."""
+        """Return True for a repeated request, or for a request before the participant's consent."""
         if self.state is None:
             return False
         if notice.kind in _COUNTED_WISHES and self._participants.is_repetition(notice):
-            # The first request was granted or refused, and the view shows the result.
+            # The first request was already granted or refused, and the view shows the result.
             return True
         if notice.kind in _AFTER_AGREEING and self._consent.awaited(self.state):
             self._game.refuse(notice.kind, _BEFORE_AGREEING)
@@ -414,7 +414,7 @@ class Keeper:
 
     def _start(self, robots: int, costs: CostMatrix) -> None:
         started = self._rules.start(self._game.last_game + 1, robots, costs, self._briefing.properties)
-        # Consent and the commands of ground stations stay valid after a game.
+        # Consent and the commands of ground stations stay valid in the next game.
         former = self.state
         kept = () if former is None else kept_commands(former, robots)
         self._game.record((started, *self._consent.first_events(former), *kept))
@@ -455,7 +455,7 @@ class Keeper:
         self._send(legacy.SIMR, self._team.changed_permission(recordable=self.consent.recordable))
 
     def _debriefed(self, state: GameState) -> Debrief | None:
-        """Return the debrief of a game that is over; it is computed once."""
+        """Return the debrief of an ended game. It is computed only once."""
         if state.ended is None:
             self._debrief = None
         elif self._debrief is None:
@@ -466,7 +466,7 @@ class Keeper:
 
 
 def costs_of(rows: Sequence[Sequence[float | None]]) -> CostMatrix | RequestRefused:
-    """Return the cost matrix that `plain_costs` wrote."""
+    """Return the cost matrix for rows from `plain_costs`, or a refusal for invalid rows."""
     try:
         return CostMatrix.of_plain(rows)
     except ValueError as error:
@@ -486,10 +486,10 @@ _SAID_BY = {
     **{kind_of(each): legacy.SIMR for each in (RobotsReady, TeamStatus, MoveCosts, ConsentQuery)},
     **{kind_of(each): legacy.HIDER for each in (HiderReady, HideTreasures)},
 }
-"""Kinds of notices that only one program may send; all others are the participants'."""
+"""Program for each kind of notice that only one program may send. Only participants may send all other kinds."""
 
 
 def _is_from_its_program(notice: Notice) -> bool:
-    """Return True if the sender may send notices of this kind: the rights of keys are granted by program."""
+    """Return True if the sender may send notices of this kind. The rights of keys depend on the program."""
     program = _SAID_BY.get(notice.kind)
     return notice.sender not in _PROGRAMS if program is None else notice.sender == program

@@ -1,4 +1,4 @@
-"""Moves of the robots in one game: orders to SimR, stopped robots, and rooms that were not reached."""
+"""Moves of the robots in a game: orders to SimR, stopped robots, and rooms that were not reached."""
 
 from thbridge.hunt.events import JournalEntry, MoveFailed, RobotArrived, RobotDeparted
 from thbridge.hunt.game import GameState
@@ -7,21 +7,21 @@ from thbridge.roles.shared.notices import MoveOrder
 
 
 class TeamMoves:
-    """Moves of a game's robots, by their numbers in orders to SimR.
+    """Moves of a game's robots. Moves have numbers in the orders to SimR.
 
     Args:
         robots: size of the team.
     """
 
     def __init__(self, robots: int) -> None:
-        # By robot: number of the latest move, and number of the latest move that is ordered.
+        # By robot: number of the latest move, and number of the latest ordered move.
         self._latest = [0] * robots
         self._ordered = [0] * robots
         self._departures = 0
         self._stopping: set[int] = set()
 
     def note(self, event: JournalEntry) -> None:
-        """Note an event of the game."""
+        """Process an event of the game."""
         match event:
             case RobotDeparted(robot=robot):
                 self._departures += 1
@@ -30,23 +30,23 @@ class TeamMoves:
                 self._stopping.discard(robot)
 
     def is_ordered(self, robot: int) -> bool:
-        """Return True when SimR has the order of a robot's latest move."""
+        """Return True if SimR has the order for a robot's latest move."""
         return self._ordered[robot] == self._latest[robot]
 
     def stop(self, robot: int) -> None:
-        """Stop a moving robot; its move ends when SimR reports the driven share."""
+        """Stop a moving robot. Its move ends when SimR reports the driven share."""
         self._stopping.add(robot)
 
     def is_stopping(self, robot: int) -> bool:
-        """Return True while a robot still moves after `stop`."""
+        """Return True if a robot is still moving after `stop`."""
         return robot in self._stopping
 
     def is_executing(self, state: GameState, robot: int, move: int) -> bool:
-        """Return True while a robot executes the move with this number."""
+        """Return True if a robot is executing the move with this number."""
         return state.has_robot(robot) and state.robots[robot].bound_for is not None and self._latest[robot] == move
 
     def orders(self, state: GameState) -> tuple[MoveOrder | None, ...]:
-        """Return the order of each robot, and note that the orders are sent."""
+        """Return the order for each robot, and mark the orders as sent."""
         self._ordered = list(self._latest)
         return tuple(
             None
@@ -57,15 +57,15 @@ class TeamMoves:
 
 
 class UnreachedRooms:
-    """Rooms that robots have recently failed to reach, and the failures that they have not talked about yet."""
+    """Rooms that robots recently failed to reach, and failures that robots have not mentioned yet."""
 
     def __init__(self) -> None:
-        # By robot, the rooms that it failed to reach since it last reached one.
+        # By robot: rooms that the robot failed to reach since its last arrival in a room.
         self._rooms: dict[int, frozenset[Room]] = {}
         self._to_report: set[int] = set()
 
     def note(self, event: JournalEntry, state: GameState | None, moves: TeamMoves) -> None:
-        """Note an event before it changes state and moves; a robot that reaches a room considers all rooms again."""
+        """Process an event before it changes state and moves. After an arrival, a robot considers all rooms again."""
         if isinstance(event, RobotArrived):
             self._rooms.pop(event.robot, None)
         elif isinstance(event, MoveFailed) and state is not None and not moves.is_stopping(event.robot):
@@ -80,9 +80,9 @@ class UnreachedRooms:
 
     @property
     def to_report(self) -> list[int]:
-        """Robots that failed to reach a room and have not talked about it yet."""
+        """Robots that failed to reach a room and have not mentioned this failure yet."""
         return sorted(self._to_report)
 
     def reported(self) -> None:
-        """Forget the failures: robots have talked about them, or will not."""
+        """Remove all failures, because robots have mentioned them or will not mention them."""
         self._to_report.clear()

@@ -1,4 +1,4 @@
-"""Open dialogues of one game, and the robots' memories of earlier ones."""
+"""Open dialogues of a game, and the robots' memories of earlier dialogues."""
 
 from collections.abc import Iterator
 
@@ -11,7 +11,7 @@ from thbridge.hunt.rooms import Room
 
 
 class OpenDialogues:
-    """Open dialogues, at most one per robot, in the order of opening."""
+    """Open dialogues in the order of opening, at most one per robot."""
 
     def __init__(self) -> None:
         self._by_robot: dict[int, Dialogue] = {}
@@ -20,7 +20,7 @@ class OpenDialogues:
         return iter(tuple(self._by_robot.values()))
 
     def __contains__(self, robot: int) -> bool:
-        """Return True while a dialogue with a robot is open."""
+        """Return True if a dialogue with a robot is open."""
         return robot in self._by_robot
 
     def put(self, dialogue: Dialogue) -> None:
@@ -45,18 +45,18 @@ class OpenDialogues:
         return None if dialogue is None else dialogue.topic.robot
 
     def at_turn(self, number: int, turn: int) -> Dialogue | None:
-        """Return the dialogue with this number if it is at this turn, otherwise None."""
+        """Return the dialogue with this number if this is its next turn, otherwise None."""
         dialogue = self.numbered(number)
         return dialogue if dialogue is not None and len(dialogue.turns) == turn else None
 
     def suggestion_stands(self, robot: int) -> bool:
-        """Return True while participant and robot talk about a room that the robot has suggested."""
+        """Return True if the participant and the robot are talking about a room that the robot suggested."""
         given = self.of(robot)
         return given is not None and given.topic.scenario is Scenario.DONT_KNOW
 
 
 class RobotMemories:
-    """Memories of robots: the situation of each robot's last dialogue, and all that was said and believed in it."""
+    """Memories of robots: the situation, the sentences and the beliefs of each robot's last dialogue."""
 
     def __init__(self) -> None:
         self._memories: dict[int, tuple[WhereFacts | WhatFacts, Conversation]] = {}
@@ -67,14 +67,14 @@ class RobotMemories:
             self._memories[dialogue.topic.robot] = (situation_of(dialogue.topic.facts), dialogue.conversation)
 
     def former(self, robot: int, facts: WhereFacts | WhatFacts) -> Conversation | None:
-        """Return the earlier conversation. If the situation has changed since, return it without its decisions."""
+        """Return the earlier conversation, or None. If the situation has changed, it has no decisions."""
         if robot not in self._memories:
             return None
         situation, conversation = self._memories[robot]
         return conversation if situation == situation_of(facts) else conversation.begun_anew(is_decision)
 
     def decision(self, facts: WhereFacts) -> Room | None:
-        """Return the room that a robot would choose by itself, given what the participant has said; or None."""
+        """Return the room that a robot would choose alone after the participant's arguments, or None."""
         decision = decision_of(facts, self.former(facts.robot, facts))
         goes = None if decision is None else decision.proposition
         return goes.room if isinstance(goes, NextRoom) else None

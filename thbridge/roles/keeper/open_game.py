@@ -1,4 +1,4 @@
-"""The open game: its state, the journal entries of this step, the dialogues, and the last refusal."""
+"""The open game: its state, dialogues, last refusal, and the journal entries of the present step."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -29,24 +29,24 @@ from thbridge.roles.shared.view import RefusalView
 
 
 class OpenGame:
-    """The game in progress in the keeper.
+    """The open game in the keeper.
 
-    Every change of the game passes through this class and is an entry of the journal.
+    Every change of the game is made by this class, and is an entry of the journal.
 
     Args:
-        engine: factory of the dialogue engine of a game, given the game's number.
-        last_game: number of the last game so far.
+        engine: function that returns the dialogue engine for the game with a number.
+        last_game: number of the last game.
         room_names: names of the map's rooms.
         knowledge: knowledge of robots.
 
     Attributes:
-        state: state of the game; None before the first.
-        last_game: number of the current game, or of the last one.
-        tick: present tick. After an interruption of the game ticks continue, so that earlier utterances stay older.
-        attended: by robot, the tick of the last event or request that concerned it.
+        state: state of the game; None before the first game.
+        last_game: number of the current or last game.
+        tick: present tick. After an interruption, ticks continue, so that earlier utterances have smaller ticks.
+        attended: tick of the last event or request about each robot, by robot.
         dialogues: dialogues of the game.
         moves: moves of the robots.
-        handbacks: robots that the participant has recently asked for.
+        handbacks: robots that the participant has recently asked commanders to give back.
         knowledge: knowledge of robots.
         refusal: the last refusal in this game, for the view.
     """
@@ -74,16 +74,16 @@ class OpenGame:
         self._utterances: list[DialogueUtterance] = []
 
     def advance(self, tick: int) -> bool:
-        """Set the current tick; return True when the participant may ask for a robot again."""
+        """Set the current tick. Return True if the participant may now ask for a robot again."""
         self.tick = self._restored_until + tick
         return self.handbacks.advance(self.tick)
 
     def attend(self, robot: int) -> None:
-        """Note that the participant attends to a robot."""
+        """Record the participant's attention to a robot."""
         self.attended[robot] = self.tick
 
     def restore(self, history: Iterable[JournalEntry]) -> None:
-        """Restore state and dialogues from the journal of an unfinished game; no entry is recorded again."""
+        """Restore state and dialogues from the journal of an unfinished game, without recording entries again."""
         for entry in history:
             if isinstance(entry, DialogueOpened):
                 self.tick = self._restored_until = round(entry.at * TICKS_PER_SECOND)
@@ -95,28 +95,28 @@ class OpenGame:
             self.dialogues.go_on(self.state)
 
     def record(self, entries: Sequence[JournalEntry]) -> None:
-        """Apply entries, and queue them for the journal."""
+        """Apply entries, and add them to the queue for the journal."""
         for entry in entries:
             self._gather_utterances()
-            # Utterances are queued first, so that the journal has the utterances of a dialogue right after its opening.
+            # Queue utterances first, so that the journal has the utterances of a dialogue directly after its opening.
             self._entries.append(entry)
             self._apply(entry)
         if entries and self.state is not None:
             self.dialogues.drop_stale(self.state)
 
     def _gather_utterances(self) -> None:
-        """Queue the utterances since the last call for the journal."""
+        """Add the utterances since the last call to the queue for the journal."""
         fresh = self.dialogues.take_utterances()
         self._utterances += fresh
         self._entries += [
             DialogueSaid(said.dialogue, said.index, said.speaker, said.author, move_text(said.move), said.text)
             for said in fresh
-            # A conclusion follows from the turns and is not a turn.
+            # A conclusion is not a turn. It follows from the turns.
             if not isinstance(said.move, Conclude)
         ]
 
     def apply_ruling(self, request: str, ruling: rules.Ruling) -> bool:
-        """Record the events of a ruling, or keep its refusal for the view; return True if it is allowed."""
+        """Record the events of a ruling, or store its refusal for the view. Return True for events."""
         if isinstance(ruling, RequestRefused):
             self.refuse(request, ruling)
             return False
@@ -124,7 +124,7 @@ class OpenGame:
         return True
 
     def refuse(self, request: str, refused: RequestRefused) -> None:
-        """Keep a refusal for the view."""
+        """Store a refusal for the view."""
         self._refusals += 1
         self.refusal = RefusalView(self._refusals, request, refused.reason, refused.sentence)
 
@@ -133,11 +133,11 @@ class OpenGame:
         return self.knowledge.advice(state, self.dialogues, robot)
 
     def where_facts(self, state: GameState, robot: int, advised: Room) -> WhereFacts:
-        """Return an arguing robot's facts about where to go; `advised` is the room that its planner has chosen."""
+        """Return an arguing robot's facts about its next room. `advised` is the room that its planner has chosen."""
         return self.knowledge.where(state, self.dialogues, robot, self.tick, advised)
 
     def stop(self, robot: int) -> None:
-        """Stop a moving robot. Its move ends when SimR reports the driven share, or now if SimR has no order yet."""
+        """Stop a moving robot. Its move ends when SimR reports the driven share. Without an order, it ends now."""
         if self.state is not None and not self.moves.is_ordered(robot):
             self.apply_ruling("Failed", rules.fail(self.state, robot, CALLED_BACK, 0.0))
         else:

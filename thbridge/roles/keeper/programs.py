@@ -1,4 +1,4 @@
-"""The keeper's records of SimR and Hider: their last notices, and the last notices to them."""
+"""The keeper's data about SimR and Hider: the last notices from and to these programs."""
 
 from contextlib import suppress
 
@@ -25,7 +25,7 @@ from thbridge.text_protocol.wire.notice import kind_of
 
 
 class ConnectedTeam:
-    """SimR, once it has connected: its robots, their poses, its last orders.
+    """Data about SimR: its robots, their poses, and the last orders.
 
     Args:
         game: the open game.
@@ -44,21 +44,21 @@ class ConnectedTeam:
 
     @property
     def map(self) -> str | None:
-        """Name of the robots' map; None while that is unknown."""
+        """Name of the robots' map, or None if it is unknown."""
         return None if self.ready is None else self.ready.map
 
     @property
     def from_starts(self) -> tuple[tuple[float | None, ...], ...]:
-        """Energy from the start of each robot to each place; empty if unknown."""
+        """Energy from each robot's start to each place; empty if unknown."""
         return () if self.ready is None else self.ready.from_starts
 
     def begin(self, game: int) -> None:
-        """Begin a game: price moves from the starts."""
+        """Begin a game. Set the costs of moves from the start poses."""
         self.price(MoveCosts(game, self.from_starts))
         self._poses = None
 
     def take_status(self, status: TeamStatus) -> None:
-        """Process a status: the robots' poses, and moves that have ended."""
+        """Process a status: the robots' poses and the results of ended moves."""
         game = self._game
         state = game.state
         if state is None or status.game != state.started.game or state.ended is not None:
@@ -85,7 +85,7 @@ class ConnectedTeam:
                 game.apply_ruling("Commanded", rules.intervene(game.state, robot, researcher))
 
     def price(self, priced: MoveCosts) -> None:
-        """Process the costs of moves from where robots stand."""
+        """Process the costs of moves from the robots' present positions."""
         state = self._game.state
         if state is None or priced.game != state.started.game or len(priced.costs) != len(state.robots):
             return
@@ -94,7 +94,7 @@ class ConnectedTeam:
                 self._game.apply_ruling("Priced", rules.price(state, robot, costs))
 
     def orders(self, state: GameState, *, with_poses: bool) -> Orders | None:
-        """Return the orders for SimR, optionally with poses for the robots; None if SimR already has these orders."""
+        """Return the orders for SimR, optionally with the robots' poses, or None if SimR already has these orders."""
         orders = Orders(
             game=state.started.game,
             moves=self._game.moves.orders(state),
@@ -111,24 +111,24 @@ class ConnectedTeam:
         return orders
 
     def permission(self, *, recordable: bool) -> RecordingPermission:
-        """Return the answer to SimR's question if the participant may be recorded."""
+        """Return the answer to SimR's question about permission to record the participant."""
         self._permission = RecordingPermission(recordable)
         return self._permission
 
     def changed_permission(self, *, recordable: bool) -> RecordingPermission | None:
-        """Return the answer to SimR's question if it has changed; None if it is the same, or if SimR has not asked."""
+        """Return the answer to SimR's question if it has changed. Return None if it has not, or SimR has not asked."""
         known = self._permission
         return None if known in {None, RecordingPermission(recordable)} else self.permission(recordable=recordable)
 
 
 class ConnectedHider:
-    """Hider, once it has connected.
+    """Data about Hider.
 
     Args:
         game: the open game.
 
     Attributes:
-        ready: True when it has joined.
+        ready: True if Hider has joined.
     """
 
     def __init__(self, game: OpenGame) -> None:
@@ -136,11 +136,11 @@ class ConnectedHider:
         self.ready = False
 
     def awaits_treasures(self, state: GameState) -> bool:
-        """Return True while Hider is about to hide the treasures."""
+        """Return True if Hider has joined but has not hidden the treasures yet."""
         return self.ready and state.treasures is None
 
     def request(self) -> HideRequest | None:
-        """Return the request to hide the treasures; None if there is nothing to hide."""
+        """Return the request to hide the treasures, or None if there is no need to hide treasures."""
         state = self._game.state
         if state is None or not self.awaits_treasures(state) or state.ended is not None:
             return None

@@ -1,1 +1,1 @@
-"""Robots' knowledge of the game, their suggestions, and their own decisions when the participant ignores them."""
+"""Robots' knowledge of the game, their suggestions, and their own decisions if the participant ignores them."""

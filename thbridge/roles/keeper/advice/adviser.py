@@ -1,6 +1,6 @@
-"""Advice of a robot about where to go: its first room in the plan of the team, and the reason for it.
+"""Advice of a robot about its next room: the robot's first room in the team's plan, and the reason for this room.
 
-A study can also set how often an adviser gives wrong advice.
+A study can set the share of wrong advice.
 """
 
 from collections.abc import Collection, Sequence
@@ -23,26 +23,26 @@ from thbridge.hunt.tour import Tour, why_no_tour
 from thbridge.roles.shared.participant_rules import Discussed, Situation, free_to_discuss
 
 _MOST_ROOMS_COMPARED = {1: 17, 2: MOST_ROOMS_OF_A_TEAM, 3: 14, 4: 13}
-"""Largest number of remaining rooms, by number of robots, for which advice compares all plans; 12 for more robots.
+"""Largest number of remaining rooms for a comparison of all plans, by number of robots. For more robots, it is 12.
 
-The game waits for the answer. Comparing all plans takes 0.5 s at most, including the values of all other next rooms,
-which an argument needs. With more rooms, a heuristic search takes as long.
+The game waits for the advice. Up to this number, the comparison takes at most 0.5 s. This includes the values of all
+other next rooms, which arguments need. For more rooms, a heuristic search takes the same time.
 """
 _EXACT = frozenset({TeamPlanner.JOINT, TeamPlanner.TOUR})
-"""Planners with optimal tours, of the team or of the robot alone."""
+"""Planners with optimal tours, for the team or for a single robot."""
 
 
 @dataclass(frozen=True, slots=True)
 class Advice:
-    """A room that a robot suggests, with reason and confidence.
+    """A robot's suggestion of a room, with a reason and a confidence.
 
     Attributes:
         room: the suggested room.
-        reason: reason, as part of a sentence: "no other room costs me less".
+        reason: reason as part of a sentence, such as "no other room costs me less".
         number: number of the robot's advice in this game, from 1.
         planned: the room that the planner chose.
-        erred: True when the robot suggests another room instead.
-        confidence: confidence to be stated, 0 to 1; None if none is stated.
+        erred: True if the robot suggests another room than planned.
+        confidence: confidence that the robot states, 0 to 1, or None if it states no confidence.
     """
 
     room: Room
@@ -57,27 +57,27 @@ class Advice:
         return RoomAdvised(robot, self.room, self.number, self.planned, self.erred, self.confidence)
 
     def instead(self, room: Room, reason: str) -> "Advice":
-        """Return a wizard's advice in the robot's place: this room, for this reason."""
+        """Return the advice of a wizard who speaks for the robot: this room with this reason."""
         return self if room == self.room else replace(self, room=room, reason=reason, erred=False)
 
 
 @dataclass(frozen=True, slots=True)
 class Adviser:
-    """Adviser that suggests rooms in the place of robots, with the settings of the study.
+    """Adviser that computes the robots' suggestions, with the settings of the study.
 
-    Wrong advice is chosen by keyed noise of game, robot and number of the advice. An adviser that may be wrong always
-    gives the room's cost as its only reason. A comparison with other rooms as the reason would reveal the error, or
-    would be false.
+    Wrong advice is chosen by keyed noise of the game, the robot and the number of the advice. If wrong advice is
+    possible, the only reason is the cost of the room. A comparison with other rooms would be false or would reveal the
+    error.
 
     Attributes:
-        planner: chooses the room.
+        planner: planner that chooses the room.
         error_rate: share of wrong advice. Wrong advice names another room, chosen randomly among all rooms that the
             robot could suggest.
-        says_confidence: True when robots state how sure they are.
-        confidence_bias: number added to the confidence of a calibrated adviser. Such an adviser only knows the
-            probability that its advice is wrong.
-        confidence_spread: largest distance of that probability from its mean, the error rate. For each advice the
-            probability is drawn again, uniformly.
+        says_confidence: True if robots state their confidence.
+        confidence_bias: number added to the confidence of a calibrated adviser. A calibrated adviser knows only the
+            probability of wrong advice.
+        confidence_spread: largest difference between this probability and its mean, the error rate. For each advice, a
+            new probability is drawn from a uniform distribution.
         texts: texts of the game's language, for reasons.
     """
 
@@ -91,18 +91,18 @@ class Adviser:
     def advise(
         self, state: GameState, discussed: Sequence[Discussed], robot: int, number: int = 1
     ) -> Advice | RequestRefused:
-        """Return the advice of a robot, or a refusal (`NoTour`) if it could not suggest any room.
+        """Return the advice of a robot, or a refusal (`NoTour`) if it cannot suggest any room.
 
-        Unless the planner plans for each robot alone, it plans for all robots that the participant can send. Robots
-        that move, or are about to be sent, continue from their goals with the energy that is left after naming the
-        treasure there. Rooms in dialogues with other robots belong to these robots. If there are more rooms than can be
-        compared in time, the joint plan is found by heuristic search.
+        A joint planner plans for all robots that the participant can send. Robots that are moving or will be sent soon
+        continue from their goals, with the remaining energy after naming the treasure there. Rooms in dialogues with
+        other robots are reserved for these robots. If there are too many rooms for a comparison of all plans, the joint
+        plan is found by heuristic search.
 
         Args:
             state: state of the game.
             discussed: see `Situation`.
             robot: the robot that advises.
-            number: number of its advice in this game, from 1.
+            number: number of the robot's advice in this game, from 1.
         """
         adviser, costs = state.robots[robot], state.started.costs
         free = tuple(free_to_discuss(Situation(state, tuple(discussed)), robot))
@@ -132,21 +132,21 @@ class Adviser:
         return Advice(room, reason, number, planned, errs, confidence)
 
     def reason_by_cost(self, cost: float) -> str:
-        """Return the reason that is true for any room, as part of a sentence."""
+        """Return a reason that is true for any room, as part of a sentence."""
         return self.texts.clause("scripted.reason_cost", energy=cost)
 
     def _reason(
         self, row: Sequence[float], room: Room, free: Collection[Room], tours: dict[int, Tour], robot: int, exact: bool
     ) -> str:
-        """Return the reason for going to a room next, as part of a sentence.
+        """Return the reason for a robot's next room, as part of a sentence.
 
         Args:
-            row: energy from the robot's place to every place.
-            room: the room to go to.
+            row: energy from the robot's position to every place.
+            room: the robot's next room.
             free: remaining rooms.
             tours: planned tours, by robot.
-            robot: the robot that speaks.
-            exact: True when the tours are optimal; otherwise the reason makes no claim about whole tours.
+            robot: the robot that gives the reason.
+            exact: True if the tours are optimal. If False, the reason makes no claim about tours.
         """
         nearest = min(free, key=lambda other: (row[other.people], other))
         if row[room.people] <= row[nearest.people]:
@@ -162,7 +162,7 @@ class Adviser:
 
 
 def possible_rooms(state: GameState, discussed: Sequence[Discussed], robot: int) -> list[Room]:
-    """Return the rooms that a robot could suggest: free to be discussed, and within its energy."""
+    """Return the rooms that a robot could suggest: free for discussion, and within the robot's energy."""
     free = free_to_discuss(Situation(state, tuple(discussed)), robot)
     return [room for room in free if isinstance(rules.move(state, robot, room), tuple)]
 
@@ -184,7 +184,7 @@ def start_of(state: GameState, discussed: Sequence[Discussed], number: int) -> T
 
 
 def can_compare(rooms: Collection[Room], robots: Collection[object]) -> bool:
-    """Return True if all plans for these rooms and robots can be compared while the game waits for an answer."""
+    """Return True if a comparison of all plans for these rooms and robots is fast enough for a waiting game."""
     return len(rooms) <= _MOST_ROOMS_COMPARED.get(len(robots), 12)
 
 
@@ -192,9 +192,10 @@ def can_compare(rooms: Collection[Room], robots: Collection[object]) -> bool:
 def tours_sending_first(
     planner: TeamPlanner, costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
 ) -> tuple[Tour, ...]:
-    """Return the tours of a plan that sends the first robot, if that robot has the energy for any room.
+    """Return the tours of a plan that sends the first robot, if this robot has energy for any room.
 
-    Results are cached: a robot suggests and argues from the same plan, and a wizard's advice is shown in every tick.
+    Results are cached: a robot's suggestions and arguments use the same plan, and a wizard sees the advice in every
+    tick.
     """
     searches = planner in _EXACT and not can_compare(rooms, starts)
     plan = searched_tours if searches else PLANNERS[planner]

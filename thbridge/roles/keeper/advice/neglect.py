@@ -1,4 +1,4 @@
-"""Robots that the participant ignores: after a while, each of these robots decides by itself what to do next."""
+"""Decisions of robots that the participant has ignored for a time."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -14,10 +14,10 @@ class AloneDecision:
     """Decision of a robot without the participant.
 
     Attributes:
-        robot: index in the team.
-        room: room to which it goes, or in which it stands.
+        robot: index of the robot.
+        room: the robot's next room, or its present room.
         events: events that carry out the decision.
-        departs: True when it goes to the room.
+        departs: True if the robot drives to the room.
     """
 
     robot: int
@@ -27,13 +27,13 @@ class AloneDecision:
 
 
 def neglected(state: GameState, attended: Mapping[int, int], tick: int, timeout: int) -> tuple[int, ...]:
-    """Return the robots that could do something, and that the participant has ignored for too long.
+    """Return the robots that are able to act and that the participant has ignored for too long.
 
     Args:
         state: state of the game.
-        attended: by robot, the tick of the last event or request that concerned it.
+        attended: tick of the last event or request about each robot, by robot.
         tick: present tick.
-        timeout: ticks for which a robot waits.
+        timeout: number of ticks for which a robot waits.
     """
     if state.ended is not None or state.treasures is None:
         return ()
@@ -48,13 +48,13 @@ def neglected(state: GameState, attended: Mapping[int, int], tick: int, timeout:
 
 
 def decide_about_treasure(state: GameState, robot: int, names: Collection[str]) -> AloneDecision | None:
-    """Return a robot's decision about an undecided treasure where it stands; None if it drives on.
+    """Return a robot's decision about an undecided treasure in its present room, or None if it makes no decision.
 
-    The robot senses the treasure, and names it if only one name fits. Everything else is left to a person.
+    The robot senses the treasure. If only one name fits, it names the treasure. All other decisions are for a person.
 
     Args:
         state: state of the game.
-        robot: index in the team.
+        robot: index of the robot.
         names: names that fit the known properties of the treasure.
     """
     here = state.robots[robot].at
@@ -71,7 +71,7 @@ def decide_about_treasure(state: GameState, robot: int, names: Collection[str]) 
 
 
 def decide_to_go(state: GameState, robot: int, room: Room) -> AloneDecision | None:
-    """Return a robot's departure for a room, or None if the rules do not allow it; treasures stay undecided."""
+    """Return a robot's departure for a room, or None if the rules refuse it. Treasures stay undecided."""
     ruling = rules.move(state, robot, room)
     if not isinstance(ruling, tuple):
         return None

@@ -1,4 +1,4 @@
-"""Facts of robots for their arguments, collected from the game: each robot's own knowledge, and its team's."""
+"""Facts for robots' arguments, collected from the game: the knowledge of each robot and of the team."""
 
 import math
 from collections.abc import Collection, Sequence
@@ -19,7 +19,7 @@ from thbridge.roles.keeper.advice.adviser import can_compare, start_of, tours_se
 from thbridge.roles.shared.participant_rules import Discussed, other_candidate
 
 _SURE, _LOST = 1.0, 0.3
-"""Confidence of a robot in the costs from its estimated position: normally, and when it is lost."""
+"""Confidence of a robot in the costs from its estimated position: of a normal robot, and of a lost robot."""
 
 
 def where_facts(
@@ -30,19 +30,19 @@ def where_facts(
     tick: int,
     rival: Room | None = None,
 ) -> WhereFacts:
-    """Return a robot's facts about where to go.
+    """Return a robot's facts about its next room.
 
-    If there are more rooms than can be compared in time, the joint plan is found by heuristic search. The value of
-    another room is then the value of the same plan, changed so that the robot begins with that room.
+    If there are too many rooms for a comparison of all plans, the joint plan is found by heuristic search. Then the
+    value of another room is the value of the same plan after moving this room to the start of the robot's tour.
 
     Args:
         state: state of the game.
         discussed: matters of open dialogues and agreements.
-        robot: index in the team.
-        failed: rooms that it has recently failed to reach.
+        robot: index of the robot.
+        failed: rooms that the robot recently failed to reach.
         tick: present tick.
-        rival: room that the participant prefers: the facts include the robots that this choice would leave without a
-            room. None if there is no such room.
+        rival: room that the participant prefers, or None. The facts include the robots that would have no room after
+            this choice.
     """
     here, row = state.robots[robot], state.costs_from(robot)
     taken = {room: other for room in state.free_rooms if (other := other_candidate(discussed, room, robot)) is not None}
@@ -88,15 +88,15 @@ def where_facts(
 def what_facts(
     state: GameState, robot: int, room: Room, kinds: Sequence[TreasureKind], tick: int, claimed: str = ""
 ) -> WhatFacts:
-    """Return a robot's facts about a treasure that was found; all robots and participants know the list of treasures.
+    """Return a robot's facts about a found treasure. All robots and participants know the list of treasures.
 
     Args:
         state: state of the game.
-        robot: index in the team.
+        robot: index of the robot.
         room: room of the treasure.
         kinds: all treasures.
         tick: present tick.
-        claimed: name that the participant proposes; empty for none.
+        claimed: name that the participant proposes; empty if there is none.
     """
     found = state.room(room)
     fitting = {
@@ -116,7 +116,7 @@ def what_facts(
 
 
 def _against(state: GameState, room: Room, kinds: Sequence[TreasureKind], name: str) -> tuple[Misfit, ...]:
-    """Return the properties that contradict a name: no treasure of this name has the value known in the room."""
+    """Return the properties that contradict a name: no treasure with this name has the known value."""
     found = state.room(room)
     listed = [kind.properties for kind in kinds if kind.name == name]
     return tuple(
@@ -129,7 +129,7 @@ def _against(state: GameState, room: Room, kinds: Sequence[TreasureKind], name: 
 
 
 def _busy(state: GameState, starts: dict[int, TourStart], robot: int, room: Room, free: Collection[Room]) -> set[int]:
-    """Return the robots that still have a room to go to, if a given robot first goes to a given room."""
+    """Return the robots with a next room, after one robot drives to a given room."""
     costs, visit = state.started.costs, state.started.identify_cost
     own = starts[robot]
     there = TourStart(costs.rows[room.people], max(own.energy - own.costs[room.people] - visit, 0.0))
@@ -142,7 +142,7 @@ def _busy(state: GameState, starts: dict[int, TourStart], robot: int, room: Room
 def _compared(
     costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
 ) -> tuple[tuple[dict[Room, PlanValue], ...], tuple[Tour, ...]]:
-    """Return the values of all next rooms of each robot, and the tours of the best plan that sends the first robot."""
+    """Return the values of all next rooms of each robot, and the tours of the best plan with a tour of the first."""
     if not rooms:
         return tuple({} for _ in starts), tuple(Tour((), 0.0) for _ in starts)
     tours = tours_sending_first(TeamPlanner.JOINT, costs, starts, rooms, visit)
@@ -153,7 +153,7 @@ def _compared(
 def _searched(
     costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
 ) -> tuple[tuple[dict[Room, PlanValue], ...], tuple[Tour, ...]]:
-    """Return the values of all next rooms of the first robot, and the tours of a good plan that sends it."""
+    """Return the values of all next rooms of the first robot, and the tours of a good plan with a tour for it."""
     tours = tours_sending_first(TeamPlanner.JOINT, costs, starts, rooms, visit)
     payable = filter(starts[0].can_pay, rooms)
     begun = {room: tours_begun_with(costs, starts, tours, 0, room, visit) for room in payable}

@@ -1,4 +1,4 @@
-"""Knowledge of robots in the open game: their advice, and the facts for their arguments."""
+"""Knowledge of robots in the open game: advice, and facts for arguments."""
 
 from dataclasses import replace
 
@@ -17,15 +17,15 @@ from thbridge.roles.keeper.moves import UnreachedRooms
 
 
 class RobotKnowledge:
-    """Knowledge of the robots of a game, on which their advice and arguments are based.
+    """Knowledge of the robots in a game, the basis of their advice and arguments.
 
     Args:
-        adviser: suggests rooms in the place of robots.
-        kinds: all treasures, known to robots and participants.
+        adviser: adviser that computes the robots' suggestions.
+        kinds: all treasures. Robots and participants know this list.
 
     Attributes:
         adviser: see `Args`.
-        unreached: rooms that robots have recently failed to reach.
+        unreached: rooms that robots recently failed to reach.
     """
 
     def __init__(self, adviser: Adviser, kinds: tuple[TreasureKind, ...]) -> None:
@@ -34,7 +34,7 @@ class RobotKnowledge:
         self._kinds = kinds
 
     def begin(self) -> None:
-        """Begin another game: forget facts about the game before."""
+        """Begin another game. Remove facts about the previous game."""
         self.unreached = UnreachedRooms()
 
     def advice(self, state: GameState, dialogues: GameDialogues, robot: int) -> Advice | RequestRefused:
@@ -52,28 +52,28 @@ class RobotKnowledge:
         advised: Room | None,
         rival: Room | None = None,
     ) -> WhereFacts:
-        """Return an arguing robot's facts about where to go.
+        """Return an arguing robot's facts about its next room.
 
         Args:
             state: state of the game.
             dialogues: dialogues of the game.
-            robot: index in the team.
+            robot: index of the robot.
             tick: present tick.
-            advised: the room that its planner has chosen; None if there is none.
-            rival: room to which the participant wants to send it.
+            advised: the room that the robot's planner has chosen, or None.
+            rival: room that the participant prefers, or None.
         """
         facts = where_facts(state, dialogues.discussed, robot, self.unreached.of(robot), tick, rival)
         facts = replace(facts, compares=self.adviser.error_rate <= 0.0)
         return facts if advised is None else replace(facts, advised=advised)
 
     def what(self, state: GameState, robot: int, room: Room, tick: int, name: str = "") -> WhatFacts:
-        """Return a robot's facts about the treasure in a room, for which the participant proposes `name`."""
+        """Return a robot's facts about the treasure in a room. `name` is the participant's proposal, or empty."""
         return what_facts(state, robot, room, self._kinds, tick, name)
 
     def about(
         self, state: GameState, dialogues: GameDialogues, opened: DialogueOpened, tick: int
     ) -> WhereFacts | WhatFacts | None:
-        """Return the facts of a robot for a new dialogue; None if robots do not argue."""
+        """Return the facts of a robot for a new dialogue, or None if robots do not argue."""
         scenario, robot, room = Scenario(opened.scenario), opened.robot, opened.room
         if not dialogues.argues:
             return None

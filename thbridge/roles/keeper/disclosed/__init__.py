@@ -1,1 +1,1 @@
-"""Everything that participants see before, during and after a game. They see nothing before they agree to take part."""
+"""All data for participants before, during and after a game. Before their consent, participants see no game data."""

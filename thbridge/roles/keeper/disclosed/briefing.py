@@ -1,4 +1,4 @@
-"""Briefing of participants: all that their programs get from the study in addition to the state of the game."""
+"""Briefing of participants: the study's data for their programs, in addition to the state of the game."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,23 +12,24 @@ from thbridge.roles.shared.notices import FloorPlan, GameTexts
 
 @dataclass(frozen=True, slots=True)
 class Briefing:
-    """Map, names, pictures and consent text of a study, for its participants.
+    """Map, names, pictures, texts and settings of a study for its participants.
 
     Attributes:
-        floor_plan: floor plan of the game's map; None if it is unknown.
-        names: possible names of treasures; sent once the first treasure was sensed.
-        pictures: image files by name; each image is sent once the picture was taken.
-        consent: text to which participants have to agree first; None if they are not asked.
-        worth: points of each of `names`, None if treasures of this name differ; empty if points are not shown.
-        answers: True when the treasures of the rooms are shown after the game.
+        floor_plan: floor plan of the game's map, or None if it is unknown.
+        names: possible names of treasures. They are sent after a robot has sensed the first treasure.
+        pictures: image files, by name. An image is sent after a robot has taken the picture.
+        consent: text that participants must agree to first, or None if the study does not ask for consent.
+        worth: points for each of `names`, or None if treasures with this name have different points. Empty if points
+            are not shown.
+        answers: True if the participant sees the treasures of all rooms after the game.
         farewell: thanks, and the next steps; may be empty.
-        sound: True when the participant's window may play sounds.
+        sound: True if the participant's window may play sounds.
         properties: properties of the treasures.
-        words: the same properties with their words in the game's language; empty if they have none.
-        called: words for the names, in this language; a name without words is used as it is.
-        kinds: all treasures, without their pictures; participants have the same list.
-        condition: condition of dialogues: how robots and participants decide together.
-        texts: texts of the game's language; None if no program reads them.
+        words: the same properties with words in the game's language; empty if there are no words.
+        called: words for the names in this language. Names without words are shown unchanged.
+        kinds: all treasures without their pictures. Participants have the same list.
+        condition: dialogue condition, which determines who decides.
+        texts: texts of the game's language, or None if no program needs them.
     """
 
     floor_plan: FloorPlan | None = None

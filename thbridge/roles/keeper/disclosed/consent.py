@@ -15,11 +15,11 @@ class ConsentStatus(Enum):
     GIVEN = "given"
     DECLINED = "declined"
     NOT_ASKED = "not asked"
-    """The participant's program is of 2016 and cannot ask."""
+    """The participant's program is from 2016 and cannot ask for consent."""
 
     @property
     def recordable(self) -> bool:
-        """True when what the participant does may be recorded."""
+        """True if the participant may be recorded."""
         return self not in {ConsentStatus.AWAITED, ConsentStatus.DECLINED}
 
 
@@ -30,15 +30,15 @@ CONSENT_SENTENCES = {
     ConsentStatus.NOT_ASKED: "this TabUI is a program of 2016, which cannot ask for consent: ask the participant "
     "yourself; the game is recorded",
 }
-"""Sentences for the researcher about the participant's consent."""
+"""Sentences for the researcher about the state of the participant's consent."""
 
 
 class ConsentAnswer:
     """The consent of the present participant.
 
-    A yes before a game is kept for that game. A no is final for the program that sends it: only another program that
-    joins is asked again. A yes applies to later games too, until another program joins after the end of a game. That
-    program may belong to the next person, who is asked before they see anything of the game.
+    Consent before a game is stored for this game. A refusal is final for the program that sends it; only another
+    program is asked again. Consent is also valid for later games, until another program joins after the end of a game.
+    This program may belong to another person, who is asked before they see any game data.
 
     Args:
         asked: True if the study has a consent text.
@@ -53,18 +53,18 @@ class ConsentAnswer:
         self._another = False
 
     def join(self, state: GameState | None, run: str) -> None:
-        """Note that a participant's program that can ask has joined; `run` as in `ParticipantReady`."""
+        """Process the joining of a program that can ask for consent. For `run`, see `ParticipantReady`."""
         self._declined = self._legacy = False
         if state is not None and state.ended is not None and run != self._run:
             self._early, self._another = None, True
         self._run = run
 
     def note_legacy(self) -> None:
-        """Note that the participant's program is of 2016."""
+        """Record that the participant's program is from 2016."""
         self._legacy = True
 
     def agree(self, state: GameState | None, consent: GiveConsent) -> tuple[ConsentGiven, ...]:
-        """Return the event of a yes in this game; empty if the yes is kept for the next game, or has no effect."""
+        """Return the event of consent in this game. Empty if consent is for the next game or has no effect."""
         if self._declined and self.awaited(state):
             return ()
         if state is not None and not self._another:
@@ -74,14 +74,14 @@ class ConsentAnswer:
         return ()
 
     def decline(self, state: GameState | None) -> None:
-        """Note a no, unless the participant has agreed already."""
+        """Record that the participant declined, unless they have already agreed."""
         self._declined = self.awaited(state)
 
     def first_events(self, former: GameState | None) -> tuple[ConsentGiven, ...]:
-        """Return the consent as the first event after the start of a game; empty if there is none yet.
+        """Return the event of consent directly after the start of a game. Empty if there is no consent yet.
 
         Args:
-            former: the previous game, after which consent stays valid; None before the first game.
+            former: state of the previous game, whose consent stays valid. None before the first game.
         """
         early, self._early = self._early, None
         another, self._another = self._another, False
@@ -90,12 +90,12 @@ class ConsentAnswer:
         return (ConsentGiven(former.agreed_at),) if former is not None and former.agreed and not another else ()
 
     def awaited(self, state: GameState | None) -> bool:
-        """Return True while the participant still has to agree to take part."""
+        """Return True if the game waits for the participant's consent."""
         agreed = self._early is not None if state is None or self._another else state.agreed
         return self._asked and not agreed
 
     def status(self, state: GameState | None) -> ConsentStatus:
-        """Return the state of consent in this game; `state` is None before the first game."""
+        """Return the state of consent in this game. `state` is None before the first game."""
         if not self._asked:
             return ConsentStatus.NOT_NEEDED
         if not self.awaited(state):

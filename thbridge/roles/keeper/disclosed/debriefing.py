@@ -1,4 +1,4 @@
-"""Debrief of participants after a game: what was in the rooms, and what could have been won."""
+"""Debrief of participants after a game: the treasures of all rooms, and the best possible score."""
 
 from collections.abc import Sequence
 
@@ -9,11 +9,11 @@ from thbridge.roles.shared.view import Debrief, RoomDebrief
 
 
 def debrief_of(state: GameState, from_starts: Sequence[Sequence[float]], briefing: Briefing) -> Debrief:
-    """Return the debrief of a game that is over.
+    """Return the debrief of an ended game.
 
     Args:
         state: state of the game.
-        from_starts: energy from the start of each robot to each place, by number: 0 for the corridor, rooms from 1.
+        from_starts: energy from each robot's start to each place, by number (0 is the corridor, rooms start at 1).
         briefing: briefing of the study's participants.
     """
     treasures = state.treasures

@@ -1,4 +1,4 @@
-"""The participant's view, made from the state of a game."""
+"""Construction of the participant's view from the state of a game."""
 
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -33,9 +33,9 @@ def view_of(
     asked_back: Collection[int] = (),
     debrief: Debrief | None = None,
 ) -> View:
-    """Return the participant's view. It is made without the treasures themselves, only from what is known about them.
+    """Return the participant's view. It contains only known facts about the treasures.
 
-    `asks` is True while the participant has to agree to take part.
+    `asks` is True if the game waits for the participant's consent.
     """
     sensed = any(room.sensed is not None for room in state.rooms)
     return View(
@@ -77,7 +77,7 @@ def _debriefed(debrief: Debrief | None) -> tuple[str, ...]:
 
 
 def _with_words(state: GameState, briefing: Briefing) -> tuple[TreasureProperty, ...]:
-    """Return the properties of the game, with words only for declared values and for values that are known."""
+    """Return the properties of the game, with words only for declared and known values."""
     if not briefing.words or briefing.properties != state.started.properties:
         return state.started.properties
     known = [room.known for room in state.rooms]
@@ -90,12 +90,12 @@ def _with_words(state: GameState, briefing: Briefing) -> tuple[TreasureProperty,
 
 
 def plain_costs(costs: CostMatrix) -> tuple[tuple[float | None, ...], ...]:
-    """Return a cost matrix in JSON's values: None where there is no move."""
+    """Return a cost matrix as JSON values. None means that there is no move."""
     return tuple(plain_row(row) for row in costs.rows)
 
 
 def plain_row(row: Sequence[float]) -> tuple[float | None, ...]:
-    """Return a row of a cost matrix in JSON's values."""
+    """Return a row of a cost matrix as JSON values. None means that there is no move."""
     return tuple(None if math.isinf(cost) else cost for cost in row)
 
 

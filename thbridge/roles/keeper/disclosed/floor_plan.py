@@ -1,4 +1,4 @@
-"""Floor plan of a game's map, packed into one line of the wire."""
+"""Floor plan of a game's map, compressed for one line of the text protocol."""
 
 import base64
 import zlib
@@ -11,7 +11,7 @@ from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from thbridge.roles.shared.notices import FloorPlan, RoomOutline
 
 MOST_PACKED = 40_000
-"""Largest number of characters of packed cells; above it the map's resolution is halved."""
+"""Largest number of characters of the compressed cells. For more characters, the map's resolution is halved."""
 
 
 def floor_plan_of(
@@ -19,14 +19,14 @@ def floor_plan_of(
 ) -> FloorPlan:
     """Return the floor plan of a map.
 
-    While the packed map is too long for one line, its resolution is halved: two by two cells become one cell. The new
-    cell is a wall if one of the four is a wall, otherwise free if one of them is free.
+    If the compressed map is too long for one line, its resolution is halved: 2 x 2 cells become one cell. The new cell
+    is a wall if one of the four cells is a wall. Otherwise it is free if one of them is free. This is repeated.
 
     Args:
         name: name of the map.
-        grid: its cells.
-        rooms: room 1 first.
-        footprint: corners of a robot's body, its own frame, meters.
+        grid: the cells of the map.
+        rooms: outlines of the rooms, in order.
+        footprint: corners of a robot's body in its own frame, meters.
     """
     codes: NDArray[np.uint8] = np.full(grid.cells.shape, 2, dtype=np.uint8)
     codes[grid.cells == FREE] = 0
@@ -44,7 +44,7 @@ def _packed(codes: NDArray[np.uint8]) -> str:
 
 
 def _halved(codes: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Return the codes at half the resolution; cells beyond the last row or column count as unknown."""
+    """Return the codes at half the resolution. Cells beyond the last row or column count as unknown."""
     rows, cols = codes.shape
     even = np.pad(codes, ((0, rows % 2), (0, cols % 2)), constant_values=2)
     blocks = even.reshape(even.shape[0] // 2, 2, even.shape[1] // 2, 2)

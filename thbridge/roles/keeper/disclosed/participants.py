@@ -1,4 +1,4 @@
-"""The participants' programs, and the notices to them: texts, floor plan, views, pieces of pictures."""
+"""The participants' programs, and the notices to them: texts, floor plan, views, and pieces of pictures."""
 
 import base64
 from collections import deque
@@ -12,18 +12,18 @@ from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import Notice, encode_notice
 
 MOST_PARTICIPANTS = 64
-"""Largest number of participants' programs at a time."""
+"""Largest number of participants' programs at the same time."""
 MOST_NUMBERS = 256
-"""Largest number of request numbers that are stored for a program, the latest ones; repetitions come within seconds."""
+"""Largest number of stored request numbers for a program. The latest numbers are stored; repetitions come quickly."""
 PIECE_SIZE = 30_000
-"""Bytes of a picture in one line: 40,000 characters in base 64."""
+"""Number of bytes of a picture in one line: 40,000 characters in base 64."""
 PIECE_PERIOD = TICKS_PER_SECOND // 12
-"""Ticks between two pieces. Without pauses, a large picture would overload a slow connection, and the server would
-close the connection."""
+"""Number of ticks between two pieces. Without pauses, a large picture would overload a slow connection, and the server
+would close this connection."""
 
 
 class Participants:
-    """The connected programs of participants; each program gets what has changed, and a newcomer gets everything.
+    """The connected programs of participants. Each program receives all changes. A new program receives all data.
 
     Args:
         sender: name of the sending role.
@@ -33,12 +33,12 @@ class Participants:
     def __init__(self, sender: str, briefing: Briefing) -> None:
         self._sender = sender
         self._briefing = briefing
-        # By program: the mark of its run, and the numbers of its latest requests, oldest first.
+        # By program: id of its run, and numbers of its latest requests, oldest first.
         self._members: dict[str, tuple[str, dict[int, None]]] = {}
         self._newcomers: dict[str, None] = {}
         self._unreachable: set[str] = set()
         self._shown: View | None = None
-        # First, by room, the pictures that all programs except newcomers have; then the queue of pieces with their
+        # First, by room, the pictures that all programs except new programs have. Then the queue of pieces with their
         # receivers.
         self._taken: dict[int, str] = {}
         self._pieces: deque[tuple[str, PicturePiece]] = deque()
@@ -49,18 +49,19 @@ class Participants:
 
     @property
     def is_empty(self) -> bool:
-        """True when no participant's program is connected."""
+        """True if no participant's program is connected."""
         return not self._members
 
     def join(self, name: str, map_name: str | None, run: str = "") -> list[TextMessage]:
-        """Add a participant's program, perhaps again; return the messages to send at once; empty if there is no room.
+        """Add a participant's program, and return the first messages to it. Empty if there are too many programs.
 
-        If there is no room, the new program replaces a program that could not be reached.
+        If there are too many programs, the new program replaces a program that could not be reached. A program may join
+        several times.
 
         Args:
             name: name of the program.
-            map_name: name of the robots' map; None while it is unknown.
-            run: mark of this run of the program; another run counts its requests from 1 again. Empty if unknown.
+            map_name: name of the robots' map, or None if it is unknown.
+            run: id of this run of the program. Each run counts its requests from 1. Empty if unknown.
         """
         if name not in self._members and len(self._members) >= MOST_PARTICIPANTS:
             gone = next((member for member in self._members if member in self._unreachable), None)
@@ -74,13 +75,13 @@ class Participants:
         self._pieces = deque(piece for piece in self._pieces if piece[0] != name)
         briefed = [] if self._briefing.texts is None else [encode_notice(self._sender, name, self._briefing.texts)]
         plan = self._briefing.floor_plan
-        # Robots may have been started on another map than the server's. A wrong plan would be worse than no plan.
+        # The robots may use another map than the server. A wrong plan would be worse than no plan.
         if plan is not None and map_name in {None, plan.map}:
             briefed.append(encode_notice(self._sender, name, plan))
         return briefed
 
     def is_repetition(self, request: Notice) -> bool:
-        """Return True if the sender has used the request's number before in this run; store the number.
+        """Return True if the sender has already used the request's number in this run. Store the number.
 
         A request without a number never counts as a repetition.
         """
@@ -96,7 +97,7 @@ class Participants:
         return False
 
     def note_unreachable(self, name: str) -> None:
-        """Note that a notice to a program could not be handed over."""
+        """Record that a notice to a program could not be delivered."""
         if name in self._members:
             self._unreachable.add(name)
 
@@ -107,7 +108,7 @@ class Participants:
         self._pieces = deque(piece for piece in self._pieces if piece[0] != name)
 
     def show(self, view: View) -> list[TextMessage]:
-        """Return the messages of the view to the programs that do not have it; its pictures follow by `pieces`."""
+        """Return the messages with the view for all programs without this view. `pieces` later sends its pictures."""
         self._queue_pictures(view)
         receivers = self._newcomers if view == self._shown else self._members
         self._shown = view
@@ -116,7 +117,7 @@ class Participants:
         return outgoing
 
     def pieces(self, tick: int) -> list[TextMessage]:
-        """Return the next piece of a picture, if one is due."""
+        """Return the message with the next piece of a picture if it is due, otherwise no message."""
         if not self._pieces or tick < self._next_piece:
             return []
         self._next_piece = tick + PIECE_PERIOD

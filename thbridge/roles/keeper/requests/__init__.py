@@ -1,1 +1,1 @@
-"""Requests to the keeper: from participants, in lines of 2016, from ground stations, from wizards."""
+"""Requests to the keeper from participants, lines of 2016, ground stations and wizards."""

@@ -1,7 +1,7 @@
-"""Forwarded lines of 2016: their effect on the game, and Hider's answers.
+"""Effects of forwarded lines of 2016 on the game, and Hider's answers.
 
-With our own Hider the keeper knows the treasures, decides on each question and determines the reply. A Hider of 2016
-does not reveal them; then the game learns from its answers.
+Our own Hider sends the treasures to the keeper, and the keeper answers all questions. A Hider of 2016 does not reveal
+the treasures; then the keeper uses Hider's answers.
 """
 
 from collections.abc import Callable
@@ -27,7 +27,7 @@ _COMMANDS_TO_SIMR = frozenset({TextCommand.GOTO, TextCommand.WHERE, TextCommand.
 
 
 def undone(line: Forwarded, state: GameState | None) -> RequestRefused | None:
-    """Return the reason why a line has no effect under any rule, or None."""
+    """Return the reason why no rule applies to a line, or None."""
     if not line.delivered:
         return RequestRefused(LineReason.NOBODY, f"No program is called {line.message.receiver} here.")
     if line.message.receiver == legacy.HIDER and isinstance(line.legacy_value, UnreadableText):
@@ -58,7 +58,7 @@ class LegacyLines:
 
     def __init__(self, game: OpenGame) -> None:
         self._game = game
-        # An identification for which a Hider of 2016 has not sent the points yet: number of the game, room, name.
+        # Name of a treasure for which a Hider of 2016 has not sent the points yet: number of the game, room, name.
         self._named: tuple[int, Room, str] | None = None
 
     def handle(self, state: GameState, line: Forwarded, *, needs_consent: bool) -> TextMessage | None:
@@ -67,10 +67,10 @@ class LegacyLines:
         Args:
             state: state of the game.
             line: the line.
-            needs_consent: True when the sender has its dialogues with this keeper, and so needs an agreement.
+            needs_consent: True if the sender has its dialogues with this keeper, so that acts need an agreement.
 
         Returns:
-            The message that our own Hider has to send to the participant now, or None.
+            The message that our own Hider must send to the participant, or None.
         """
         request = decode_request_line(line)
         if request is None:
@@ -80,7 +80,7 @@ class LegacyLines:
         return None
 
     def _request(self, state: GameState, request: LineRequest, needs_consent: bool) -> TextMessage | None:
-        """Handle a request of the participant; return Hider's answer."""
+        """Handle a request of the participant. Return Hider's answer."""
         match request:
             case SendRobot(robot, room):
                 self._send(state, robot, Room(room), needs_consent)
@@ -125,7 +125,7 @@ class LegacyLines:
 
     def _arrived(self, state: GameState, robot: int, room: Room) -> None:
         here = state.robots[robot] if state.has_robot(robot) else None
-        # SimR repeats the line if it cannot know that the first one was received.
+        # SimR repeats the line if it does not know whether the first line was received.
         if here is not None and (here.bound_for is not None or here.at != room):
             self._game.apply_ruling("Arrived", rules.arrive(state, robot, room))
 
@@ -143,7 +143,7 @@ class LegacyLines:
     def _picture(self, state: GameState, room: Room, needs_consent: bool) -> TextMessage | None:
         if state.treasures is None:
             return None
-        # A picture that was already taken is sent again, wherever its robot is now.
+        # A picture that was already taken is sent again. The present place of the robot does not matter.
         if not state.has_room(room) or state.room(room).image is None:
             ruling = rules.picture(state, room)
             if needs_consent:
@@ -161,7 +161,7 @@ class LegacyLines:
             return None
         decided = state.room(room).points if state.has_room(room) else None
         if decided is not None:
-            # The first answer was lost: the verdict does not change, and is sent again.
+            # The first answer was lost. The points do not change and are sent again.
             return legacy.PointsAwarded(decided).message()
         ruling = rules.identify(state, room, name)
         if needs_consent:
@@ -182,7 +182,7 @@ class LegacyLines:
         return ruling
 
     def _apply_reported(self, state: GameState, rule: Callable[[], rules.Ruling]) -> None:
-        """Apply the answer of a Hider of 2016; our own Hider only repeats the keeper's decisions."""
+        """Apply the answer of a Hider of 2016. Ignore our own Hider, which only repeats the keeper's decisions."""
         if state.treasures is None:
             ruling = rule()
             if isinstance(ruling, tuple):
@@ -190,14 +190,14 @@ class LegacyLines:
 
 
 def _has_gone(state: GameState, robot: int, room: Room, *, arrived: bool) -> bool:
-    """Return True when the participant has already sent a robot to this room, and the robot drives there.
+    """Return True if the participant has already sent a robot to this room, and the robot is driving there.
 
     Args:
         state: state of the game.
-        robot: index in the team.
+        robot: index of the robot.
         room: the room.
-        arrived: True includes a robot that stands in the room already. Our own programs see that in the view; programs
-            of 2016 need the refusal.
+        arrived: True to include a robot that is already in the room. Our own programs see this in the view. Programs of
+            2016 need the refusal.
     """
     if not state.has_robot(robot):
         return False

@@ -1,4 +1,4 @@
-"""The participant's requests in addition to the lines of 2016: dialogues, leaving treasures, stopping a robot."""
+"""The participant's requests beyond the lines of 2016, for example about dialogues, treasures or stopping a robot."""
 
 from typing import TypeAlias, assert_never
 
@@ -47,19 +47,19 @@ NoticeRequest: TypeAlias = (
     | MeasureProperty
     | TellProperty
 )
-"""A request of the participant in a game that a notice may contain."""
+"""A request of the participant in a notice."""
 
 
 def handle_participant_request(
     game: OpenGame, state: GameState, request: NoticeRequest, *, awaits_treasures: bool
 ) -> None:
-    """Grant a request, or store its refusal; requests that have lines of 2016 have no effect here.
+    """Carry out a request, or store its refusal. Requests with their own lines of 2016 have no effect here.
 
     Args:
         game: the game in progress.
         state: state of the game.
         request: the request.
-        awaits_treasures: True while Hider is about to hide the treasures; until then no robot is sent.
+        awaits_treasures: True if Hider has not hidden the treasures yet. Then no robot is sent.
     """
     now, kind = Situation(state, game.dialogues.discussed, awaits_treasures), kind_of(type(request))
     robot = _robot_of(game, state, request)
@@ -73,7 +73,7 @@ def handle_participant_request(
                 game.apply_ruling(kind, judge(now, request))
         case RequestHandback():
             ruling = judge(now, request)
-            # A repetition after a moment has no effect, unless the request has become impossible.
+            # A quick repetition has no effect, unless the request has become impossible.
             if isinstance(ruling, RequestRefused) or request.robot not in game.handbacks.robots:
                 game.apply_ruling(kind, ruling)
         case StopRobot():
@@ -109,7 +109,7 @@ def _robot_of(game: OpenGame, state: GameState, request: NoticeRequest) -> int |
 
 
 def suggest_or_await(game: OpenGame, state: GameState, number: int) -> None:
-    """Let a robot suggest a room, or wait for the person who speaks in its place."""
+    """Let a robot suggest a room, or wait for the person who speaks for the robot."""
     advice = game.advice(state, number)
     if isinstance(advice, RequestRefused):
         game.refuse(kind_of(RequestSuggestion), advice)
@@ -128,7 +128,7 @@ def _open(
     room: Room,
     name: str | None = None,
 ) -> None:
-    """Open a dialogue about a matter that the rules allow, or keep the refusal."""
+    """Open a dialogue about a matter if the rules allow it, otherwise store the refusal."""
     if isinstance(ruling, RequestRefused):
         game.refuse(MATTERS[scenario], ruling)
     else:

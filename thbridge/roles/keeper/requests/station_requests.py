@@ -1,4 +1,4 @@
-"""Requests of ground stations to the game, under the same rules as the participant's but without dialogues."""
+"""Requests of ground stations to the game. They obey the rules for the participant's requests, without dialogues."""
 
 from typing import TypeAlias
 
@@ -31,13 +31,13 @@ JudgedRequest: TypeAlias = (
 def handle_station_request(
     game: OpenGame, state: GameState, request: CommandRequest, *, awaits_treasures: bool
 ) -> None:
-    """Carry out the request of a ground station; a request that the rules refuse is dropped, and not shown.
+    """Carry out the request of a ground station. A refused request is dropped without a message.
 
     Args:
         game: the game in progress.
         state: state of the game.
         request: the request.
-        awaits_treasures: True while Hider is about to hide the treasures; until then no robot is sent.
+        awaits_treasures: True if Hider has not hidden the treasures yet. Then no robot is sent.
     """
     match request:
         case StationStop(robot):
@@ -52,9 +52,9 @@ def handle_station_request(
 
 
 def sense_for_stations(game: OpenGame, state: GameState) -> None:
-    """Let robots under command of a ground station sense the treasure on arrival, since stations cannot request it.
+    """Let robots of ground stations sense the treasure on arrival, because stations cannot request it.
 
-    A Hider of 2016 does not reveal the treasures, so there is nothing to sense.
+    With a Hider of 2016, this is not possible, because it does not reveal the treasures.
     """
     for robot in state.robots:
         held = robot.holder.by is Commander.GROUND_STATION
@@ -65,7 +65,7 @@ def sense_for_stations(game: OpenGame, state: GameState) -> None:
 
 
 def kept_commands(former: GameState, robots: int) -> tuple[CommanderChanged, ...]:
-    """Return the events that keep ground stations in command in the next game; `robots` is the size of its team."""
+    """Return the events that continue ground stations' commands in the next game, with a team of `robots` robots."""
     return tuple(
         CommanderChanged(number, robot.holder.by, robot.holder.name)
         for number, robot in enumerate(former.robots[:robots])
@@ -74,7 +74,7 @@ def kept_commands(former: GameState, robots: int) -> tuple[CommanderChanged, ...
 
 
 def return_robots(game: OpenGame) -> None:
-    """Give all robots to the participant, because after a restart no other commander is connected."""
+    """Give the command of all robots to the participant: after a restart, no other commander is connected."""
     robots = () if game.state is None else game.state.robots
     game.record(
         tuple(
@@ -88,7 +88,7 @@ def return_robots(game: OpenGame) -> None:
 def _stop(game: OpenGame, state: GameState, robot: int) -> None:
     """Stop a robot.
 
-    If it is not stopping yet and the participant commands it, a refusal names the ground station as the cause.
+    If the robot is not stopping yet and the participant commands it, a refusal states that a ground station stopped it.
     """
     if not game.moves.is_stopping(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
         sentence = f"A ground station has stopped {robot_name(robot)}."

@@ -1,7 +1,7 @@
-"""Wizard-of-Oz: a person speaks and advises in the place of robots, without the participant's knowledge.
+"""Wizard-of-Oz: a person speaks and advises for robots, and the participant does not know this.
 
-The turns that wait for that person are a state, which is recorded whenever it changes. A robot that is released decides
-its pending turns at once by its own strategy.
+The turns that wait for the wizard are a state. Each change of this state is recorded. A released robot makes its
+pending turns at once, by its own strategy.
 """
 
 from dataclasses import dataclass
@@ -20,12 +20,12 @@ from thbridge.roles.shared.robot_requests import WizardAdvice, WizardMode, Wizar
 
 @dataclass(frozen=True, slots=True)
 class HeldAdvice:
-    """A participant's "don't know", which waits for the person who speaks in a puppet's place.
+    """A participant's "don't know", which waits for the person who speaks for the robot.
 
     Attributes:
-        robot: index of the robot that was asked, from 0.
-        costs: number and energy of each room that it may suggest.
-        suggestion: the room of its own strategy; None if it can no longer suggest one.
+        robot: index of the asked robot, from 0.
+        costs: number and energy of each possible room.
+        suggestion: room that the robot's own strategy would suggest, or None.
     """
 
     robot: int
@@ -35,7 +35,7 @@ class HeldAdvice:
 
 @dataclass(frozen=True, slots=True)
 class WizardState:
-    """Robots for which a person speaks, and the turns and advice that wait for that person."""
+    """Robots for which a person speaks, and the turns and advice that wait for this person."""
 
     puppets: tuple[int, ...] = ()
     turns: tuple[HeldTurn, ...] = ()
@@ -47,14 +47,14 @@ class WizardState:
 
 
 def wizard_state(game: OpenGame, state: GameState | None) -> WizardState:
-    """Return the turns and advice that wait for the wizard in this game."""
+    """Return the present state for the wizard of a game."""
     dialogues = game.dialogues
     advice = () if state is None else tuple(_advice(game, state, robot) for robot in dialogues.asked_for_advice)
     return WizardState(tuple(sorted(dialogues.puppets)), dialogues.held_turns(), advice)
 
 
 def handle_wizard_request(game: OpenGame, state: GameState | None, request: WizardRequest) -> None:
-    """Carry out a wizard's request; a request for a past turn changes nothing."""
+    """Carry out a wizard's request. Ignore a request for an earlier turn."""
     match request:
         case WizardMode(robot, True):
             game.dialogues.hold(robot)
