@@ -655,7 +655,7 @@ def test_the_help_sheet_has_the_rules_with_the_numbers_of_the_game():
     model = model_of(structs.replace(view(), picture_cost=7.0, identify_cost=2.5))
     assert model.screen(0.0).rules == ()
     model.do(ShowHelp(), 0.0)
-    assert "a picture 7, naming 2.5." in " ".join(model.screen(0.0).rules)
+    assert "A picture costs 7 energy, naming costs 2.5." in " ".join(model.screen(0.0).rules)
 
 
 def test_the_help_sheet_opens_at_any_time():

@@ -29,18 +29,18 @@ def test_the_share_lost_for_a_wrong_name_is_the_games(share: float | None, told:
 def test_moves_are_those_to_rooms() -> None:
     costs = ((None, 12.0, 40.0), (2.0, None, 20.0), (99.5, 30.0, None))
     rooms = view().rooms[:2]
-    assert "A move costs 12 to 40 energy, a picture" in sheet(costs=costs, rooms=rooms)
+    assert "A move costs 12 to 40 energy. A picture" in sheet(costs=costs, rooms=rooms)
 
 
 def test_moves_priced_by_position_are_told_from_room_to_room() -> None:
     costs = ((None, None, None), (None, None, 20.0), (None, 30.0, None))
     told = sheet(costs=costs, rooms=view().rooms[:2], by_position=True)
-    assert "A move costs energy for its length and its turns: from room to room between 20 and 30, a picture" in told
+    assert "A move costs energy for its length and its turns: from room to room between 20 and 30. A picture" in told
 
 
 def test_before_a_game_it_is_told_what_moves_priced_by_position_cost_energy_for() -> None:
     told = rules_lines(shipped_texts(), picture_cost=3.0, identify_cost=2.0, by_position=True)
-    assert "A move costs energy for its length and its turns, a picture 3" in " ".join(told)
+    assert "A move costs energy for its length and its turns. A picture costs 3" in " ".join(told)
 
 
 def test_what_is_left_for_good_is_what_the_participant_sends_a_robot_on_from() -> None:

@@ -54,7 +54,7 @@ def test_rules_and_keys_are_there_before_a_game(page: StartPage, qtbot: QtBot) -
     qtbot.keyClick(page, Qt.Key.Key_F1)
     assert page.help.isVisible()
     shown = [label.text() for label in page.help.findChildren(QLabel)]
-    assert any("a picture 7, naming 2" in text for text in shown)
+    assert any("A picture costs 7 energy, naming costs 2" in text for text in shown)
     with qtbot.assertNotEmitted(page.start), qtbot.assertNotEmitted(page.tutorial):
         qtbot.keyClick(page.help.close_button, Qt.Key.Key_T)
     qtbot.keyClick(page.help.close_button, Qt.Key.Key_Escape)
