@@ -60,9 +60,9 @@ class TeamSnapshot:
 
     Attributes:
         tick: the present tick.
-        world: the truth. Robots never get it, and people get it only if the study allows it. None for real robots,
+        world: the truth. Robots never get it, and people get it only if the study permits this. None for real robots,
             because their truth is unknown.
-        robots: one entry per robot, in the team's order.
+        robots: outputs of the robots, in the team's order.
         commands: (n, 2) m/s and rad/s given to the motors in this tick, by navigators or by hand.
         dead: indices of dead robots, which perceive, broadcast and do nothing. Their entries are from their last tick
             alive.
@@ -82,7 +82,7 @@ class TeamSnapshot:
             ValueError: these are real robots.
         """
         if self.world is None:
-            raise ValueError("the truth about real robots is unknown")
+            raise ValueError("the true state of real robots is unknown")
         return self.world
 
 
@@ -126,7 +126,7 @@ class Team:
         starts: start pose of each robot, map frame.
         seed: seed of all noise in the simulation.
         charge: initial energy of each robot.
-        schedule: inputs known beforehand; they act before other inputs of the same tick.
+        schedule: inputs known beforehand. They are applied before other inputs of the same tick.
         true_grid: the true map, if it differs from the map that robots know.
         parts: installed parts that the parameters may name. If None, they may name no installed part.
 
@@ -151,7 +151,7 @@ class Team:
         for parameters in robots:
             parts.check(parameters)
         if len(robots) != len(starts):
-            raise ValueError(f"{len(robots)} robots but {len(starts)} start poses")
+            raise ValueError(f"{len(robots)} robots need as many start poses, not {len(starts)}")
         self._world = World(true_grid or grid, world, seed, charge)
         self._sensors = Sensors(true_grid or grid, world, seed, charge)
         self._parameters = list(robots)
@@ -170,7 +170,7 @@ class Team:
         self._heard = self._heard_before = _Broadcasts({})
         self._corrections = np.zeros((len(robots), 3))
         footprint = np.array(world.footprint, dtype=np.float64)
-        # Robots plan one after the other. So one workspace is enough, and it stays in the processor's cache.
+        # Robots plan one after another. So one workspace is enough, and it stays in the processor's cache.
         space = Workspace(*grid.cells.shape)
         self._robots: list[Robot] = []
         for index, parameters in enumerate(robots):
@@ -231,7 +231,7 @@ class Team:
         return tuple(self._worlds)
 
     def believed_pose(self, robot: int) -> Pose2:
-        """Return a robot's estimate of its pose in the map; before its first tick, its true start pose."""
+        """Return a robot's estimate of its pose in the map. Before its first tick, it is the true start pose."""
         output = self._outputs[robot]
         return Pose2(*self._state.poses[robot].tolist()) if output is None else output.estimate.base_in_map
 
@@ -251,7 +251,7 @@ class Team:
         return self._robots[robot].navigator.make_plan(base_in_map, start or base_in_map, goal, tolerance)
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
-        """Step by one tick. Inputs that came since the last tick are applied first, in their order.
+        """Step by one tick. Inputs received since the last tick are applied first, in their order.
 
         Raises:
             ValueError: an input changes parameters that cannot change while a robot runs.
@@ -271,7 +271,7 @@ class Team:
         return TeamSnapshot(tick, self._state, outputs, self._commands, frozenset(self._dead))
 
     def _step_robots(self, tick: int, requested: bool) -> tuple[RobotOutput, ...]:
-        """Step the robots that have work in this tick; the outputs of the others are propagated.
+        """Step the robots that have work in this tick, and propagate the outputs of the other robots.
 
         After a request, all robots are stepped. They are also stepped if the set of robots that broadcast, or that ask
         others to clear a path, has changed.
@@ -299,7 +299,7 @@ class Team:
                 output = robot.skip(tick, believed[index], twists[index], sense)
             self._outputs[index] = output
         outputs = [output for output in self._outputs if output is not None]
-        # Dead robots do not broadcast, and neither do lost ones.
+        # Neither dead nor lost robots broadcast.
         broadcasting = [robot for robot in self._robots if robot.index not in self._dead and not robot.lost]
         self._heard_before = heard
         self._heard = _Broadcasts({robot.index: outputs[robot.index] for robot in broadcasting})
@@ -402,4 +402,4 @@ def _check_live(robot: int, before: P, after: P) -> None:
     """Raise ValueError if two sets of a robot's parameters differ where no change is allowed while it runs."""
     fixed = fixed_differences(before, after)
     if fixed:
-        raise ValueError(f"robot {robot} cannot change these while it runs: {', '.join(fixed)}")
+        raise ValueError(f"robot {robot}: these parameters cannot change while it runs: {', '.join(fixed)}")

@@ -9,11 +9,11 @@ from sim.common.grid import OCCUPIED, OccupancyGrid
 from sim.numerics.float_array import FloatArray
 
 MAX_CLEARANCE = 2.0
-"""Largest clearance that is computed, meters. Larger ones make no difference to a robot."""
+"""Maximum clearance that is computed, meters. Larger clearances make no difference to a robot."""
 
 
 BAND = 256
-"""Rows computed at a time. Temporary arrays for all rows of a map of one hectare would need 100 MB."""
+"""Number of rows computed at a time. Temporary arrays for all rows of a map of one hectare would need 100 MB."""
 
 
 def cells_away(free: NDArray[np.bool_]) -> FloatArray:
@@ -32,8 +32,8 @@ def cells_away(free: NDArray[np.bool_]) -> FloatArray:
 
 
 def nearest_cells(mask: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Return (2, rows, cols): for each cell, row and column of the nearest cell of a mask, which must not be empty."""
-    # Imported here: reading a study does not need scipy, and its import would double the time.
+    """Return (2, rows, cols): row and column of the mask's cell nearest to each cell. The mask must not be empty."""
+    # Imported here, because reading a study does not need scipy, and the import would double its time.
     from scipy.ndimage import distance_transform_edt  # noqa: PLC0415
 
     nearest: NDArray[np.int32] = distance_transform_edt(~mask, return_distances=False, return_indices=True)
@@ -60,7 +60,7 @@ def distance_field(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float
     The distance is exactly Euclidean, while ROS's likelihood field and inflation propagate it approximately.
 
     Returns:
-        (rows, cols) float32 in [0, max_distance]; `max_distance` everywhere if no cell is occupied. Read-only, because
+        (rows, cols) float32 in [0, max_distance]. If no cell is occupied, all are `max_distance`. Read-only, because
         maps never change and all robots on a map share this array.
     """
     field = _distances(grid, max_distance)
@@ -85,7 +85,7 @@ def clearance_field(grid: OccupancyGrid) -> NDArray[np.float32]:
     """Return the approximate distance from each cell's center to the nearest side of an occupied cell, meters.
 
     Returns:
-        (rows, cols) float32, half a cell less than `distance_field`, from 0 to MAX_CLEARANCE. All robots on a map share
+        (rows, cols) float32 from 0 to MAX_CLEARANCE, half a cell less than `distance_field`. All robots on a map share
         this array, so it must not be changed. It is still marked as writable: kernels also get writable copies of it,
         and for read-only arrays numba would compile each kernel a second time.
     """

@@ -10,14 +10,14 @@ from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
 
 _cos_sin = lru_cache(maxsize=1024)(elementary.cos_sin)
-"""Number of directions whose cosine and sine are cached. Each tick needs the same few, e.g. of odom and the laser."""
+"""Cosine and sine with a cache, because every tick needs those of the same few directions, e.g. odom and laser."""
 
 
 @frozen()
 class Pose2:
     """A pose in the plane. It is also the transform from its own frame to its parent's.
 
-    `base_in_odom` means: the pose of frame base in frame odom. Meters, radians in [-pi, pi).
+    The name `base_in_odom` means the pose of frame base in frame odom. Meters, radians in [-pi, pi).
     """
 
     x: float
@@ -37,7 +37,7 @@ class Pose2:
         return Pose2(-c * self.x - s * self.y, s * self.x - c * self.y, wrap_angle(-self.theta))
 
     def between(self, other: "Pose2") -> "Pose2":
-        """Return the pose of `other` relative to this one; both are given in the same frame."""
+        """Return the pose of `other` relative to this pose. Both are in the same frame."""
         return self.inverse().compose(other)
 
     def distance(self, other: "Pose2") -> float:

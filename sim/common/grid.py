@@ -25,7 +25,7 @@ OCCUPIED = 100
 UNKNOWN = -1
 
 NOWHERE = (-1, -1)
-"""Row and column of a point that is not finite; outside every grid."""
+"""Row and column of a point that is not finite. They are outside every grid."""
 
 
 class GridFrame(NamedTuple):
@@ -52,7 +52,7 @@ class OccupancyGrid:
 
     Attributes:
         cells: (rows, cols) int8; 0 free, 100 occupied, -1 unknown. Values between come from maps read in `scale` or
-            `raw` mode. For localization and planning only 0 is free and only 100 is occupied. Read-only.
+            `raw` mode. Localization and planning consider only 0 as free and only 100 as occupied. Read-only.
         resolution: side of a cell, meters.
         origin: pose of the outer corner of cell (0, 0) in the map frame.
     """
@@ -69,7 +69,7 @@ class OccupancyGrid:
             ValueError: the cells are not a two-dimensional non-empty array, or the resolution is not positive.
         """
         if self.cells.ndim != 2 or self.cells.size == 0:
-            raise ValueError(f"cells must be (rows, cols) and not empty, not of shape {self.cells.shape}")
+            raise ValueError(f"cells must be a non-empty array (rows, cols), not of shape {self.cells.shape}")
         if not (self.resolution > 0 and math.isfinite(self.resolution)):
             raise ValueError(f"resolution must be positive, not {self.resolution}")
         cells = np.array(self.cells, dtype=np.int8, order="C")
@@ -78,7 +78,7 @@ class OccupancyGrid:
         # If these numbers were int, numba would compile the kernels a second time.
         origin = Pose2(float(self.origin.x), float(self.origin.y), float(self.origin.theta))
         object.__setattr__(self, "origin", origin)
-        # Computed once, because every table that robots on a map share is looked up by this hash.
+        # Computed once, because it is needed for each lookup of a table that robots on a map share.
         object.__setattr__(self, "_hash", hash((self.resolution, origin, cells.shape, zlib.crc32(cells.data))))
 
     def __eq__(self, other: object) -> bool:
@@ -138,7 +138,7 @@ class OccupancyGrid:
         return 0 <= row < self.rows and 0 <= col < self.cols
 
     def value_at(self, x: float, y: float) -> int:
-        """Return the cell's value at a world point; unknown outside the grid."""
+        """Return the value of the cell at a world point, or unknown outside the grid."""
         row, col = self.cell_of(x, y)
         return int(self.cells[row, col]) if self.contains(row, col) else UNKNOWN
 
@@ -158,29 +158,29 @@ def interpret_image(
 ) -> Cells:
     """Return the cells of a map image, exactly as ROS reads it.
 
-    Dark is occupied. The occupancy of a cell is `(255 - mean) / 255`, or `mean / 255` with `negate`. Above
+    Dark pixels are occupied. The occupancy of a cell is `(255 - mean) / 255`, or `mean / 255` with `negate`. Above
     `occupied_thresh` the cell is occupied, and below `free_thresh` it is free. Between the two, mode `trinary` makes it
     unknown, and `scale` gives it a value from 1 to 99 in proportion. `raw` uses the mean itself, as a signed byte.
 
     Args:
-        pixels: (rows, cols) gray, or (rows, cols, channels) RGB or RGBA; row 0 is the top of the picture.
-        negate: True if bright is occupied.
+        pixels: (rows, cols) gray, or (rows, cols, channels) RGB or RGBA. Row 0 is the top of the picture.
+        negate: True if bright pixels are occupied.
         occupied_thresh: 0 to 1.
         free_thresh: 0 to 1, less than `occupied_thresh`.
         mode: map.yaml's `mode`.
 
     Returns:
-        (rows, cols), row 0 at the bottom of the picture.
+        (rows, cols). Row 0 is the bottom of the picture.
 
     Source: ros-planning/navigation, map_server/src/image_loader.cpp, with its peculiarities. An alpha channel is
-        averaged with the colors in `trinary` mode, and not included in the mean in the others. In `scale` mode, a cell
+        averaged with the colors in `trinary` mode, but not in the other modes. In `scale` mode, a cell
         is unknown if the last of several channels (blue, without an alpha channel) is 0.
     """
     planes = pixels[:, :, np.newaxis] if pixels.ndim == 2 else pixels
     channels = planes.shape[2]
     averaged = 3 if channels == 4 and mode != "trinary" else channels
     sums = planes[::-1, :, :averaged].sum(axis=2, dtype=np.uint16)
-    # An image has few shades and many pixels, so convert each shade once.
+    # An image has many pixels but few shades, so convert each shade only once.
     shades = np.arange(255 * averaged + 1) / averaged
     if negate:
         shades = 255 - shades

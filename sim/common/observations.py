@@ -1,6 +1,6 @@
-"""Sensor messages and motor commands: everything that passes between the world and a robot's software.
+"""Sensor messages and motor commands: all data between the world and a robot's software.
 
-Everything is stamped with a tick: the number of physics steps since the session began, of `TICK` seconds each.
+Times are ticks: the number of physics steps since the session began. Each step takes `TICK` seconds.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from sim.numerics.float_array import FloatArray
 
 TICKS_PER_SECOND = 50
 TICK = 1.0 / TICKS_PER_SECOND
-"""Seconds of one physics step. Each step sends one odometry message."""
+"""Duration of a physics step, seconds. Each step sends one odometry message."""
 
 
 def next_turn(tick: int, robot: int, period: int) -> int:
@@ -78,7 +78,7 @@ class Scan:
     """One scan of the laser.
 
     Attributes:
-        ranges: (beams,) float32 meters; +inf if nothing was hit within range_max (REP 117), NaN if the beam was lost.
+        ranges: (beams,) float32 meters. +inf if nothing was hit within range_max (REP 117), NaN if the beam was lost.
     """
 
     tick: int
@@ -88,7 +88,7 @@ class Scan:
 
 @frozen()
 class Battery:
-    """The remaining energy, in the game's units; a robot starts with `capacity`."""
+    """The remaining energy, in the game's units. A robot starts with `capacity`."""
 
     tick: int
     charge: float
@@ -116,11 +116,11 @@ class Neighbour:
         base_in_map: pose where the robot believes it is.
         twist: its velocity.
         footprint: (n, 2) corners in its base frame, meters.
-        path: (m, 2) map points of its planned path, starting at its own position; empty if it stands still.
+        path: (m, 2) map points of its planned path, starting at its own position. Empty if it stands still.
         times: (m,) planned times at these points. They define the order in which robots pass a place
             (`sim.robot.global_planning.itinerary`). Empty if other robots block the path; the robot then asks them to
             clear it.
-        claim: priority of the robot while it asks others to clear its path; otherwise None.
+        claim: priority of the robot while it asks others to clear its path, otherwise None.
     """
 
     robot: int
@@ -134,7 +134,7 @@ class Neighbour:
 
 @frozen()
 class Observations:
-    """Everything that one robot perceives in one tick; None for a sensor that is not due."""
+    """All data that a robot perceives in a tick. None for a sensor that is not due."""
 
     tick: int
     odometry: Odometry

@@ -1,4 +1,4 @@
-"""Bodies as polygons: overlap with one another and with occupied cells, and distances between them."""
+"""Bodies as polygons: their overlaps with each other and with occupied cells, and the distances between them."""
 
 import math
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ class Polygons(NamedTuple):
 
     Attributes:
         corners: (v, 2) corners of all polygons, meters.
-        ends: (p + 1,) int64; the corners of polygon i are corners[ends[i] : ends[i + 1]].
+        ends: (p + 1,) int64. The corners of polygon i are corners[ends[i] : ends[i + 1]].
         circles: (p, 3) x, y and radius of a circle around each polygon.
     """
 

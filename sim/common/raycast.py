@@ -2,12 +2,12 @@
 
 A beam is followed from one grid line to the next (Amanatides and Woo, A fast voxel traversal algorithm for ray
 tracing, 1987), but in long strides. For each cell and each of the four diagonal directions, a table has the side of the
-largest square that starts there and has no occupied cell. A beam inside such a square meets nothing before it leaves
-the square. So one step goes to the square's border, which is dozens of cells away in open space. The distance of each
-crossing is computed from the beam's start, and steps are never summed. So strides of any length give the same range to
-the last bit.
+largest square that starts there and contains no occupied cell. A beam inside this square meets nothing before it
+leaves the square. So one step goes to the square's border, which is dozens of cells away in open space. The distance of
+each crossing is computed from the beam's start, never as a sum of steps. So strides of any length give the same range
+to the last bit.
 
-Only occupied cells (100) stop a beam. Unknown cells and the space outside the grid let it pass. It is not known what is
+Only occupied cells (100) stop a beam. It passes unknown cells and the space outside the grid. It is not known what is
 there. If walls were assumed, the simulated laser would mark obstacles that no map shows. A beam that starts in an
 occupied cell has range 0.
 """
@@ -27,9 +27,9 @@ from sim.numerics.kernels import njit
 
 FreeSquares = NDArray[np.uint8]
 """(4, rows, cols): side of the largest square that has this cell as a corner and contains no occupied cell. In cells,
-at most 255; 0 if the cell itself is occupied. All cells outside the grid are free. The first index is the direction of
-the square. 0: lower columns and rows. 1: higher columns, lower rows. 2: lower columns, higher rows. 3: higher columns
-and rows."""
+at most 255, and 0 if the cell itself is occupied. All cells outside the grid are free. The first index is the
+direction of the square. 0: lower columns and rows. 1: higher columns, lower rows. 2: lower columns, higher rows. 3:
+higher columns and rows."""
 
 _LARGEST_SQUARE = 255
 
@@ -68,7 +68,7 @@ def _free_squares(cells: Cells) -> FreeSquares:
 def free_squares_of(grid: OccupancyGrid) -> FreeSquares:
     """Return the strides that a beam may make from every cell, for each quadrant of its direction.
 
-    Read-only: a map never changes, and all users share one table.
+    The table is read-only, because a map never changes and all users share the table.
     """
     squares = _free_squares(grid.cells)
     squares.setflags(write=False)
@@ -109,7 +109,7 @@ def _line_after(
 def _cast(
     squares: FreeSquares, col_start: float, row_start: float, col_speed: float, row_speed: float, limit: float
 ) -> float:
-    """Return the distance along one beam to the first occupied cell, meters; inf if it is not below `limit`.
+    """Return the distance along one beam to the first occupied cell, meters, or inf if it is not below `limit`.
 
     Args:
         squares: table of the grid. A table with 1 in all free cells would give the same range, but more slowly.
@@ -241,7 +241,7 @@ def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: f
     Args:
         polygon: (v, 2) corners in the sensor's frame, clockwise or counterclockwise, convex or not.
         directions: (m, 2) cosine and sine of the beams' angles in the sensor's frame.
-        max_range: meters; farther edges are not seen.
+        max_range: maximum distance of visible edges, meters.
         ranges: (m,) meters, changed in place. A sensor inside the polygon sees its outline from inside.
     """
     corners = polygon.shape[0]
@@ -323,11 +323,11 @@ class Raycaster:
 
     @classmethod
     def of(cls, grid: OccupancyGrid) -> "Raycaster":
-        """Prepare a grid. Equal grids share one table."""
+        """Prepare a grid. Equal grids share the same table."""
         return cls(free_squares_of(grid), grid.frame)
 
     def ranges(self, poses: FloatArray, angles: FloatArray, max_range: float) -> FloatArray:
-        """Return the distance to the first occupied cell along every beam, meters; inf if none is within `max_range`.
+        """Return the distance to the first occupied cell along every beam, meters, or inf beyond `max_range`.
 
         Args:
             poses: (n, 3) poses of the sensors in the map frame.

@@ -12,7 +12,7 @@ ROBOT_COLORS = (
     "#7060a0",
     "#700030",
 )
-"""One color per robot. Color-blind people can also distinguish them, and each has enough contrast to white."""
+"""Colors of the robots. Color-blind people can also distinguish them, and each has enough contrast to white."""
 
 
 def robot_color(index: int) -> str:

@@ -1,4 +1,4 @@
-"""Numbers of robots: the only place that converts between the program's counting and people's.
+"""Numbers of robots. Only this module converts between the program's counting and people's counting.
 
 In the program a robot is an `int`, its index in the team, from 0. The text lines of 2016 contain this index, too.
 People, ROS names, MAVLink system ids, study files and bags count from 1. Convert with these functions, never by adding

@@ -1,4 +1,4 @@
-"""Traversability: places on a map where a robot fits, and the places that it reaches from there; rooms as polygons."""
+"""Traversability: places on a map where a robot fits, and places that it reaches from there. Rooms as polygons."""
 
 import math
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from sim.numerics.float_array import FloatArray
 
 Point = tuple[float, float]
 Polygon = tuple[Point, ...]
-"""Corners in order, meters; the last one is connected to the first one."""
+"""Corners in order, meters. The last corner is connected to the first."""
 Mask = NDArray[np.bool_]
 Span: TypeAlias = "slice[int, int, None]"
 """Range of rows or columns."""
@@ -78,12 +78,12 @@ class TraversabilityMap:
         return box, inside(polygon, *self.centres(box))
 
     def clearance_at(self, pose: Pose2) -> float:
-        """Return the meters to the nearest cell that is not free; 0 outside the map."""
+        """Return the distance to the nearest cell that is not free, meters, or 0 outside the map."""
         row, col = self.grid.cell_of(pose.x, pose.y)
         return float(self.clearance[row, col]) if self.grid.contains(row, col) else 0.0
 
     def obstructed_by(self, other: Pose2) -> tuple[Box, Mask]:
-        """Return the cells where no robot's center may be while another one stands at `other`, for any headings.
+        """Return the cells where no robot's center may be while another robot stands at `other`, for any headings.
 
         Returns:
             A box, and a mask of this box.
@@ -94,7 +94,7 @@ class TraversabilityMap:
         return box, np.sqrt(np.square(x - other.x) + np.square(y - other.y)) <= apart
 
     def reachable(self, start: Pose2) -> Mask:
-        """Return the cells that a robot's center reaches from a pose.
+        """Return the cells that a robot's center can reach from a pose.
 
         The mask is empty if no robot fits at the pose.
         """
@@ -124,12 +124,12 @@ class CrowdedFloor:
         self._areas = _areas((floor.clearance > floor.inscribed) & (self._robots == 0))
 
     def are_connected(self, cells: Sequence[tuple[int, int]]) -> bool:
-        """Return True if an additional robot could drive from any of these cells to all the others."""
+        """Return True if an additional robot could drive from each of these cells to all other cells of them."""
         areas = {int(self._areas[cell]) for cell in cells}
         return areas <= {0} if not cells else len(areas) == 1 and 0 not in areas
 
     def reached(self, robot: int, cells: Sequence[tuple[int, int]]) -> list[bool]:
-        """Return for each cell whether a robot reaches it from its present position, past all other robots."""
+        """Return for each cell whether a robot can reach it from its present position, past all other robots."""
         floor, (box, own) = self._floor, self._obstructed[robot]
         # A robot does not obstruct itself. So cells that no other robot obstructs may connect areas for it.
         freed = _areas(own & (self._robots[box] == 1) & (floor.clearance[box] > floor.inscribed))
@@ -149,16 +149,16 @@ class CrowdedFloor:
 
 
 def _areas(passable: Mask) -> NDArray[np.int32]:
-    """Label connected cells with the number of their area, from 1; 0 for cells that are not passable."""
-    # A robot drives from a cell to its four neighbors only: diagonally it could pass between two walls that meet at a
-    # corner. scipy is imported here, because reading a study does not need it, and its import would double the time.
+    """Label connected cells with the number of their area, from 1, and cells that are not passable with 0."""
+    # A robot drives only to a cell's four neighbors, because diagonally it could pass between two walls that meet at a
+    # corner. scipy is imported here, because reading a study does not need it, and the import would double its time.
     from scipy.ndimage import label  # noqa: PLC0415
 
     return cast(tuple[NDArray[np.int32], int], label(passable))[0]
 
 
 def _at(labels: NDArray[np.int32], box: Box, cell: tuple[int, int]) -> int:
-    """Return the label of a map cell in a box; 0 outside."""
+    """Return the label of a map cell in a box, or 0 outside the box."""
     row, col = cell[0] - box[0].start, cell[1] - box[1].start
     return int(labels[row, col]) if 0 <= row < labels.shape[0] and 0 <= col < labels.shape[1] else 0
 
@@ -185,7 +185,7 @@ def inside(polygon: Polygon, x: FloatArray, y: FloatArray) -> Mask:
 
 
 def sides(polygon: Polygon) -> list[tuple[Point, Point]]:
-    """Return the polygon's sides, each as a corner and the next one."""
+    """Return the polygon's sides, each as a corner and the next corner."""
     return list(zip(polygon, polygon[1:] + polygon[:1], strict=True))
 
 

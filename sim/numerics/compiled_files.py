@@ -1,4 +1,4 @@
-"""Files of compiled code. They are executed, so only their owner may change them, and damaged ones are not loaded."""
+"""Files of compiled code. They are executed, so only their owner may change them, and damaged files are not loaded."""
 
 import hashlib
 import logging
@@ -22,15 +22,15 @@ _VERSION = re.compile(r"(?P<module>.+)-[0-9a-f]{16}")
 KEPT_DAYS = 30
 """Days after which unused compiled code is deleted."""
 KEPT_VERSIONS = 16
-"""Maximum number of a module's versions with stored code. The versions that were used last are kept."""
+"""Maximum number of stored versions of a module. The most recently used versions are kept."""
 
 
 @once
 def cache_folder() -> Path:
     """Return the folder of all compiled code. It belongs to the user, so all checkouts share it.
 
-    If it cannot be written, or if other accounts may write there, return a folder next to the sources or a temporary
-    one. The folder's name is always `kernels`.
+    If this account cannot write to it, or other accounts can, return a folder next to the sources or a temporary
+    folder. The folder's name is always `kernels`.
     """
     # Without a home directory, the result starts with a tilde, while pathlib would raise an exception.
     home = os.path.expanduser("~/.cache")  # noqa: PTH111
@@ -61,13 +61,13 @@ def private_folder(candidates: Iterable[Path]) -> Path:
 
 
 def read(path: Path) -> bytes | None:
-    """Return the content of a file of compiled code; None if the file does not exist, is damaged, or is not private.
+    """Return the content of a file of compiled code, or None if it does not exist, is damaged, or is not private.
 
-    A damaged file, or one that other accounts could change, is deleted with a notice, so that its code is compiled
+    A file that is damaged or that other accounts can change is deleted with a notice, so that its code is compiled
     again.
     """
     try:
-        # Do not follow links, and do not wait for pipes.
+        # Do not follow links, which may lead to files of other accounts, and do not wait for pipes.
         with open(path, "rb", opener=lambda name, _: os.open(name, os.O_NOFOLLOW | os.O_NONBLOCK)) as file:
             is_private = _is_private(path.parent.lstat()) and _is_private(os.fstat(file.fileno()))
             digest, content = file.read(_DIGEST), file.read()
@@ -130,7 +130,7 @@ def _make_private(folder: Path) -> None:
 
 
 def _fault_of(folder: Path) -> str | None:
-    """Return the reason why another account could change a folder's content, directly or through a parent; else None.
+    """Return the reason why another account could change a folder's content or a parent, or None if none could.
 
     As ssh and sudo require, all folders must belong to this account or to root. Others may write only where they cannot
     replace files of other accounts (the sticky bit of /tmp).
@@ -171,7 +171,7 @@ def _of_this_process() -> TemporaryDirectory[str]:
 
 
 def _tidy(new: Path) -> None:
-    """Delete code that was not used for a long time, and old versions of the new folder's module."""
+    """Delete code that has not been used for a long time, and old versions of the new folder's module."""
     named = {folder: match["module"] for folder in new.parent.iterdir() if (match := _VERSION.fullmatch(folder.name))}
     used = {folder: folder.stat().st_mtime for folder in named}
     versions = sorted((folder for folder in named if named[folder] == named[new]), key=used.__getitem__)

@@ -77,7 +77,7 @@ def two_sum(a: Real, b: Real) -> tuple[Real, Real]:
 
 
 def fast_two_sum(a: Real, b: Real) -> tuple[Real, Real]:
-    """Return the sum of two numbers and its rounding error. The first must be the larger one in magnitude, or 0."""
+    """Return the sum of two numbers and its rounding error. The first must have the larger magnitude, or be 0."""
     total = a + b
     return total, b - (total - a)
 
@@ -170,7 +170,7 @@ def turned(cos_1: Real, cos_2: Real, sin_1: Real, sin_2: Real, rest: Real, error
 
 
 def sin(x: float) -> float:
-    """Return the sine of an angle in radians; nan if it is not finite."""
+    """Return the sine of an angle in radians, or nan if it is not finite."""
     x = float(1.0 * x)
     if abs(x) < 2.0**-27:
         # Here sin(x) rounds to x.
@@ -183,7 +183,7 @@ def sin(x: float) -> float:
 
 
 def cos(x: float) -> float:
-    """Return the cosine of an angle in radians; nan if it is not finite."""
+    """Return the cosine of an angle in radians, or nan if it is not finite."""
     x = float(1.0 * x)
     if not math.isfinite(x):
         return math.nan
@@ -194,7 +194,7 @@ def cos(x: float) -> float:
 
 
 def cos_sin(x: float) -> tuple[float, float]:
-    """Return cosine and sine of an angle in radians; the same bits as separate calls, but cheaper."""
+    """Return cosine and sine of an angle in radians, with the same bits as separate calls, but faster."""
     x = float(1.0 * x)
     if not math.isfinite(x):
         return math.nan, math.nan
@@ -206,7 +206,7 @@ def cos_sin(x: float) -> tuple[float, float]:
 
 
 def exp(x: float) -> float:
-    """Return e to the power of x; infinite above the largest double, 0 below the smallest."""
+    """Return e to the power of x: infinite above the largest double, 0 below the smallest."""
     x = float(1.0 * x)
     if not -746.0 < x < 710.0:
         if math.isnan(x):
@@ -218,7 +218,7 @@ def exp(x: float) -> float:
     n = int(steps)
     i = n & 127
     value_1, value_2 = float(EXPONENTIALS[i, 0]), float(EXPONENTIALS[i, 1])
-    # bent is exp(r) - 1 - r, as a series; the linear term is added exactly below.
+    # bent is exp(r) - 1 - r, as a series. The linear term is added exactly below.
     bent = error + rest * rest * (
         0.5 + rest * (1.0 / 6.0 + rest * (1.0 / 24.0 + rest * (1.0 / 120.0 + rest * (1.0 / 720.0))))
     )
@@ -229,7 +229,7 @@ def exp(x: float) -> float:
 
 
 def log(x: float) -> float:
-    """Return the natural logarithm; minus infinity for 0, nan for negative numbers."""
+    """Return the natural logarithm: minus infinity for 0, nan for negative numbers."""
     x = float(1.0 * x)
     if not 0.0 < x < math.inf:
         if x == 0.0:
@@ -339,7 +339,7 @@ def mended_length(length: Real, greater: Real, less: Real) -> Real:
     """Correct `length`, the rounded root of the sum of two squares, by one Newton step, and return it."""
     length_1, greater_1, less_1 = leading(length), leading(greater), leading(less)
     length_2, greater_2, less_2 = length - length_1, greater - greater_1, less - less_1
-    # Excess of the rounded root's square over the sum of squares; exact except for its last sum.
+    # Excess of the rounded root's square over the sum of squares. Only its last sum is rounded.
     surplus = (
         ((length_1 * length_1 - greater_1 * greater_1) - less_1 * less_1)
         + 2.0 * ((length_1 * length_2 - greater_1 * greater_2) - less_1 * less_2)
@@ -350,7 +350,7 @@ def mended_length(length: Real, greater: Real, less: Real) -> Real:
 
 def wrap_angle(angle: float) -> float:
     """Return the same direction in [-pi, pi). An angle in this range is returned unchanged. Kernels may call this."""
-    angle = float(angle)  # converts numbers of numpy arrays to plain ones
+    angle = float(angle)  # converts numbers of numpy arrays to plain numbers
     if -math.pi <= angle < math.pi:
         return angle
     wrapped = (angle + math.pi) % (2.0 * math.pi) - math.pi

@@ -61,14 +61,14 @@ def log(numbers: ArrayLike) -> FloatArray:
 
 
 def atan2(y: ArrayLike, x: ArrayLike) -> FloatArray:
-    """Return the angles of vectors (x, y) in [-pi, pi], radians; both arrays have the same shape."""
+    """Return the angles of vectors (x, y) in [-pi, pi], radians. Both arrays have the same shape."""
     values, others = _copy(y), _copy(x)
     _operations().to_atan2(values.reshape(-1), others.reshape(-1))
     return values
 
 
 def hypot(x: ArrayLike, y: ArrayLike) -> FloatArray:
-    """Return the lengths of vectors (x, y); both arrays have the same shape."""
+    """Return the lengths of vectors (x, y). Both arrays have the same shape."""
     values, others = _copy(x), _copy(y)
     _operations().to_hypot(values.reshape(-1), others.reshape(-1))
     return values

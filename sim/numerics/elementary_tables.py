@@ -66,7 +66,7 @@ def _pi(bits: int) -> int:
 
 
 def _parts(fixed: int, *bits: int) -> tuple[float, ...]:
-    """Return a fixed-point number as a sum of doubles: leading ones with the given numbers of bits, then the rest."""
+    """Return a fixed-point number as a sum of doubles: leading parts with the given numbers of bits, then the rest."""
     parts = []
     for width in bits:
         spare = max(fixed.bit_length() - width, 0)
@@ -93,7 +93,7 @@ def _turns() -> NDArray[np.float64]:
     rows = []
     cosine, sine = _ONE, 0
     step_cosine, step_sine = _cos_sin(PI_FIXED // 64)
-    noise = 40  # trailing bits that may be wrong after many steps; without them, 0 and 1 are exact
+    noise = 40  # Trailing bits that may be wrong after many steps. Without them, 0 and 1 are exact.
     for _ in range(128):
         exact = [((part >> noise - 1) + 1 >> 1) << noise for part in (cosine, sine)]
         rows.append([*_parts(exact[0], 26), *_parts(exact[1], 26)])
@@ -143,7 +143,7 @@ TURNS = _turns()
 """(128, 4) cosine and sine of i pi / 64, each as its leading 26 bits and the rest."""
 
 TURN_STEP = _parts(PI_FIXED // 64, 33, 33, 33)
-"""pi / 64 in four parts; products of the first three with numbers below 2**20 are exact."""
+"""pi / 64 in four parts. Products of the first three with numbers below 2**20 are exact."""
 
 FULL_TURN = _parts(2 * PI_FIXED, 53)
 """2 pi in two parts."""
@@ -155,12 +155,12 @@ EXPONENTIALS = _exponentials()
 """(128, 2) 2**(i / 128) as its leading 26 bits and the rest."""
 
 EXPONENT_STEP = _parts(LOG_2_FIXED // 128, 35, 35)
-"""log(2) / 128 in three parts; products of the first two with numbers below 2**18 are exact."""
+"""log(2) / 128 in three parts. Products of the first two with numbers below 2**18 are exact."""
 
 LOGARITHMS_FROM = 90
 LOGARITHMS_TO = 183
 LOGARITHMS = _logarithms()
-"""(93, 3) for i from LOGARITHMS_FROM: a number c of few bits near 128 / i; then -log(c) in two parts, a multiple of
+"""(93, 3) for i from LOGARITHMS_FROM: a number c of few bits near 128 / i, and -log(c) in two parts, a multiple of
 2**-42 and the rest."""
 
 LOG_2 = _on_grid(LOG_2_FIXED, 42)

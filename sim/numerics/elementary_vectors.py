@@ -13,7 +13,7 @@ from sim.numerics.elementary_tables import ARCTANGENTS, RIGHT_ANGLE, STRAIGHT_AN
 from sim.numerics.float_array import FloatArray
 
 BLOCK = 4096
-"""Numbers per block. A block with all intermediate results stays in the processor's cache."""
+"""Number of elements per block. A block with all intermediate results stays in the processor's cache."""
 _SMALLEST, _GREATEST = 2.0**-400, 2.0**400
 
 
@@ -98,7 +98,7 @@ def _hypot(x: FloatArray, y: FloatArray) -> FloatArray:
     usual = (less > _SMALLEST) & (greater < _GREATEST)
     of_usual = np.where(usual, greater, 1.0), np.where(usual, less, 1.0)
     found = elementary.mended_length(np.sqrt(of_usual[0] * of_usual[0] + of_usual[1] * of_usual[1]), *of_usual)
-    # Zeros are common: robots stand still or move along an axis.
+    # Zeros are common, because robots stand still or move along an axis.
     found = np.where(less == 0.0, greater, found)
     for place in np.flatnonzero(~(usual | (less == 0.0))).tolist():
         found[place] = elementary.hypot(float(x[place]), float(y[place]))

@@ -34,7 +34,7 @@ __all__ = ["file_of", "folder_of", "njit", "register_formula", "wait_for_others"
 
 _OTHERS: dict[Path, Callable[[], object]] = {}
 _FORMULAS: list["_Kernel"] = []
-"""Kernel types that are kept until the program ends, because numba itself has only weak references to them."""
+"""Types of plain functions for kernels, kept until the program ends, because numba has only weak references to them."""
 
 
 def njit(*, cache: bool, nogil: bool = False) -> Callable[[F], F]:
@@ -90,7 +90,7 @@ def wait_for_others(compiled: Mapping[Path, Callable[[], object]]) -> None:
 
 
 class _Kernel(CPUDispatcher):  # type: ignore[misc]  # numba has no types
-    """A compiled function. Each of its signatures is compiled only once on a machine."""
+    """A compiled function. Each of its signatures is compiled only once per machine."""
 
     def __init__(self, function: object, targetoptions: dict[str, bool]) -> None:
         super().__init__(function, targetoptions=targetoptions)
@@ -99,7 +99,7 @@ class _Kernel(CPUDispatcher):  # type: ignore[misc]  # numba has no types
 
     def compile(self, signature: tuple[types.Type, ...]) -> object:
         """Compile or load the code for a signature. If another process is compiling it, wait and load the result."""
-        # The compiler's lock comes first. Its holder may wait for a claim, and no other thread of this process can hold
+        # Take the compiler's lock first. Its holder may wait for a claim, and no other thread of this process can hold
         # a claim at that time.
         with global_compiler_lock, nullcontext() if signature in self.overloads else self._cache.claimed(signature):
             return super().compile(signature)
@@ -129,7 +129,7 @@ class _CompiledCode:
         content = read(self.file(signature, target))
         if content is None:
             return None
-        # This initializes everything that compiled code needs. numba's own cache also loads everything for compiling,
+        # This initializes all that compiled code needs. numba's own cache also loads all that compiling needs,
         # which is slow.
         rtsys.initialize(target)
         compiled_for, parts = pickle.loads(content)

@@ -84,7 +84,7 @@ def damped_solution(matrix: FloatArray, right: FloatArray, damping: float) -> Fl
 
 
 def inverse(matrix: FloatArray) -> FloatArray:
-    """Return the (n, n) inverse of a matrix; nan if it is singular."""
+    """Return the (n, n) inverse of a matrix, or nan if it is singular."""
     return solution(np.ascontiguousarray(matrix), np.eye(len(matrix)))
 
 

@@ -15,7 +15,7 @@ from sim.numerics.compiled_files import read
 from sim.numerics.kernels import file_of
 
 RECORDED = Path(__file__).with_suffix(".jsonl")
-"""File with one call per line (see `as_line`), slowest compilation first; `scripts/record_signatures.py` writes it."""
+"""File with one call per line (see `as_line`), slowest compilation first. `scripts/record_signatures.py` writes it."""
 
 
 def recorded_calls() -> list[str]:

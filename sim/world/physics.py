@@ -1,7 +1,7 @@
-"""Physics of differential-drive robots: they move, touch walls and one another, and measure their wheels' rotation.
+"""Physics of differential-drive robots: they move, touch walls and each other, and measure their wheels' rotation.
 
-A tick is one call of one compiled kernel for all robots. Robots move one after the other in the team's order, each
-against the present bodies of the others. So no two robots ever overlap, and no robot has to wait for another one.
+A tick is one call of a compiled kernel for all robots. Robots move one after another in the team's order, each
+against the present bodies of the others. So no two robots ever overlap, and no robot has to wait for another robot.
 """
 
 import math
@@ -45,7 +45,7 @@ IntArray = NDArray[np.int64]
 
 @frozen(eq=False)
 class WorldState:
-    """The truth about n robots at one tick; its arrays are read-only.
+    """The truth about n robots in a tick. Its arrays are read-only.
 
     Attributes:
         tick: number of physics steps since the session began.
@@ -55,7 +55,7 @@ class WorldState:
             start).
         odom_twists: (n, 2) velocities that the wheels measured in the last tick.
         charge: (n,) remaining energy, in the game's units.
-        contact: (n,) bool, True for a robot that a wall, another robot or a thing stopped, until it is away from it.
+        contact: (n,) bool, True for a robot that a wall, another robot or a thing stopped, until it has moved away.
         collisions: (n,) int64, number of contacts so far.
         noise: true noise of the sensors.
         things: things that are present, and things that wait to appear.
@@ -91,7 +91,7 @@ class Misplaced:
 
     Attributes:
         robot: index of the robot in the team.
-        reason: "wall", "robot", "thing" (its body would overlap one), or "outside" (the map).
+        reason: "wall", "robot" or "thing", if its body would overlap it, or "outside", if it is outside the map.
         sentence: the reason as a sentence for people, with robots and coordinates.
     """
 
@@ -105,7 +105,7 @@ class _Body(NamedTuple):
 
     Attributes:
         radius: radius of the circle around the base that contains all corners, meters.
-        reach: greatest distance that any corner moves in one tick, meters.
+        reach: maximum distance that a corner moves in a tick, meters.
         max_vel_x: see WorldParameters, also for the other fields.
     """
 
@@ -139,8 +139,8 @@ def _touches(
         clearance: clearance of the grid.
         frame: frame of the grid.
         bodies: bodies of the things, map frame.
-        margin: meters; with 0, only overlaps count.
-        touched: (n,) output: set to True for every other robot that is touched.
+        margin: minimum distance, meters. If 0, only overlaps count.
+        touched: (n,) output, set to True for every other robot that is touched.
     """
     x, y, theta = poses[robot]
     wall = False
@@ -198,7 +198,7 @@ def _step(
     frame: GridFrame,
     bodies: Polygons,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray, IntArray]:
-    """Return the state after one tick; see WorldState and SensorNoise for the arrays, World.step for the rules."""
+    """Return the state after one tick. See WorldState and SensorNoise for the arrays, World.step for the rules."""
     n = poses_before.shape[0]
     poses = poses_before.copy()
     twists = np.empty((n, 2))
@@ -207,7 +207,7 @@ def _step(
     contact = np.zeros(n, dtype=np.bool_)
     collisions = collisions_before.copy()
     draws = np.empty(3)
-    # Robots move one after the other. A robot meets the new poses of robots before it and the old poses of robots after
+    # Robots move one after another. A robot meets the new poses of robots before it and the old poses of robots after
     # it.
     for i in range(n):
         linear = _towards(twists_before[i, 0], commands[i, 0], body.max_vel_x, body.acc_lim_x * TICK)
@@ -306,13 +306,13 @@ class World:
     """
 
     def __init__(self, grid: OccupancyGrid, parameters: WorldParameters, seed: int, charge: float) -> None:
-        """Build a world; `charge` is the initial energy of every robot.
+        """Build a world. `charge` is the initial energy of every robot.
 
         Raises:
             ValueError: the footprint has fewer than three corners.
         """
         if len(parameters.footprint) < 3:
-            raise ValueError(f"footprint needs at least three corners, not {len(parameters.footprint)}")
+            raise ValueError(f"the footprint must have at least three corners, not {len(parameters.footprint)}")
         self._grid = grid
         self._parameters = parameters
         self._seed = seed
@@ -370,7 +370,7 @@ class World:
         return replace(state, poses=poses, twists=twists, odom_twists=odom_twists, contact=contact)
 
     def step(self, state: WorldState, commands: FloatArray) -> WorldState:
-        """Return the world one tick later: the things move, then the robots.
+        """Return the world one tick later. First the things move, then the robots.
 
         Each robot's velocity moves toward its command within the motors' limits of speed and acceleration. The robot
         moves along an exact arc. If its body would touch a wall or another body anywhere along the arc, the robot stays
@@ -388,7 +388,7 @@ class World:
         if commands.shape != (n, 2):
             raise ValueError(f"{n} robots need commands of shape ({n}, 2), not {commands.shape}")
         if not np.isfinite(commands).all():
-            raise ValueError(f"commands must be finite numbers, not {commands.tolist()}")
+            raise ValueError(f"all commands must be finite numbers, not {commands.tolist()}")
         tick = state.tick + 1
         things, bodies = self._move_things(state)
         poses, twists, odom_poses, odom_twists, contact, collisions = _step(
@@ -420,7 +420,7 @@ class World:
         return things, state.bodies if still else polygons_of(things)
 
     def _obstacle(self, robot: int, poses: FloatArray, bodies: Polygons) -> Misplaced | None:
-        """Return why this robot's pose in `poses`, (n, 3), is impossible; None if it is possible."""
+        """Return why this robot's pose in `poses`, (n, 3), is impossible, or None if it is possible."""
         x, y = float(poses[robot, 0]), float(poses[robot, 1])
         where = f"{robot_name(robot)} cannot be at ({x:.2f}, {y:.2f})"
         if not self._grid.contains(*self._grid.cell_of(x, y)):

@@ -1,4 +1,4 @@
-"""True noise of every robot's sensors, which may change while robots run.
+"""True noise of every robot's sensors. It may change while robots run.
 
 Random numbers of keyed noise (`sim.numerics.noise`) are multiplied by these values. So a change for one robot does not
 change the random numbers of another robot.
@@ -54,11 +54,11 @@ def measured_increment(wheels: WheelNoise, chord: float, half: float, draws: Flo
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SensorNoise:
-    """True noise of the sensors of n robots; its arrays are read-only.
+    """True noise of the sensors of n robots. Its arrays are read-only.
 
     Attributes:
         wheels: (n, 6) values of a `WheelNoise` in each row.
-        laser: (n, 3) standard deviation and bias of ranges, meters; proportion of lost beams.
+        laser: (n, 3) standard deviation and bias of ranges, meters, and proportion of lost beams.
         gyro: (n,) standard deviation of the measured angular velocity, rad/s.
     """
 

@@ -34,7 +34,7 @@ def _sweep(
     frame: GridFrame,
     bodies: Polygons,
 ) -> FloatArray:
-    """Return the (m,) true ranges of one robot's laser to walls, other robots and things; inf beyond range_max.
+    """Return the (m,) true ranges of a robot's laser to walls, other robots and things. They are inf beyond range_max.
 
     `radius`, meters, is the radius of a circle around the base that contains the (v, 2) corners of the footprint.
     """
@@ -87,7 +87,7 @@ def _measured(
     range_min: float,
     range_max: float,
 ) -> NDArray[np.float32]:
-    """Return (m,) ranges as the laser reports them; see `Sensors`."""
+    """Return (m,) ranges as the laser reports them. See `Sensors`."""
     errors = np.empty(true_ranges.size)
     chances = np.empty(true_ranges.size)
     normals(range_key, tick, errors)
@@ -139,7 +139,7 @@ def _inner(
     Args:
         robot: index of the robot.
         tick: the present tick.
-        odom_poses: (robots, 3); see `WorldState` for this and the next three arguments.
+        odom_poses: (robots, 3). See `WorldState` for this and the next three arguments.
         keys: (robots, 3) see `_keys`.
         gyro: (robots,) noise of the angular velocity, rad/s.
     """
@@ -179,18 +179,18 @@ class Sensors:
     Wheels and gyroscope report in every tick. The laser reports `rate` times per second. Robots with successive indices
     scan in different ticks, so that the work is spread over time. The laser sees walls, other robots and things, but
     not its own robot. A range is the true range plus a bias and normal noise. Below range_min it is range_min, beyond
-    range_max it is +inf, and a lost beam is NaN.
+    range_max it is +inf. The range of a lost beam is NaN.
     """
 
     def __init__(self, grid: OccupancyGrid, parameters: WorldParameters, seed: int, capacity: float) -> None:
-        """Mount the sensors; `capacity` is the charge of a full battery, in the game's units.
+        """Mount the sensors. `capacity` is the charge of a full battery, in the game's units.
 
         Raises:
             ValueError: the laser's rate does not divide the ticks per second, or its limits are in the wrong order.
         """
         laser = parameters.laser
         if TICKS_PER_SECOND % laser.rate != 0:
-            raise ValueError(f"laser.rate must divide {TICKS_PER_SECOND}, which {laser.rate} does not")
+            raise ValueError(f"laser.rate must divide {TICKS_PER_SECOND} without a remainder, not {laser.rate}")
         if not laser.range_min < laser.range_max:
             raise ValueError(
                 f"laser.range_min must be less than laser.range_max, not {laser.range_min} and {laser.range_max}"
@@ -225,7 +225,7 @@ class Sensors:
         )
 
     def _scan(self, state: WorldState, robot: int, keys: NDArray[np.uint64]) -> Scan:
-        """Make one scan. All beams measure at the same instant."""
+        """Make a scan. All beams measure at the same instant."""
         laser, fan = self._laser, self._fan
         ranges = _scan(
             robot,

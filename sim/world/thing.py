@@ -15,12 +15,12 @@ class Thing:
     """A body and its walking path.
 
     Attributes:
-        name: its name for people; unique within a world.
+        name: its name for people, unique within a world.
         footprint: corners in its own frame, meters, in order.
         base_in_map: pose at which it appears.
-        path: map points to which it walks from there, one after the other, facing ahead; empty if it stands still.
+        path: map points to which it walks from there, one after another, facing ahead. Empty if it stands still.
         speed: walking speed, m/s.
-        back_and_forth: True if it turns back at the end of the path; False if it stops there.
+        back_and_forth: True if it turns back at the end of the path, False if it stops there.
     """
 
     name: str
@@ -31,15 +31,15 @@ class Thing:
     back_and_forth: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse a thing without a body, or one that cannot walk.
+        """Refuse a thing that has no body or cannot walk.
 
         Raises:
             ValueError: it has fewer than three corners, or its path has a point twice in a row.
         """
         if len(self.footprint) < 3:
-            raise ValueError(f"the footprint of {self.name} needs at least three corners, not {len(self.footprint)}")
+            raise ValueError(f"the body of {self.name} must have at least three corners, not {len(self.footprint)}")
         if (np.diff(self._distances) == 0.0).any():
-            raise ValueError(f"the path of {self.name} has a point twice in a row")
+            raise ValueError(f"the path of {self.name} contains the same point twice in a row")
 
     @cached_property
     def corners(self) -> FloatArray:

@@ -1,7 +1,7 @@
 """Things: bodies that no map shows. They appear, stand or walk where robots drive, and vanish.
 
-A thing never runs into a robot. It appears when its place is free. A walking thing stops before a robot, at a distance
-that grows with the robot's speed. So every collision is caused by the robot.
+A thing never runs into a robot. It appears when its place is free. A walking thing stops in front of a robot, at a
+distance that grows with the robot's speed. So every collision is caused by the robot.
 """
 
 import math
@@ -30,7 +30,7 @@ class ThingState:
 
     Attributes:
         thing: the thing itself.
-        appeared: True if it is present; False while it waits until its place is free.
+        appeared: True if it is present, False while it waits until its place is free.
         walked: distance from the start of its path to its present position along the path, meters.
         forward: True if it walks along its path, False if it walks back.
         held_up: ticks for which a robot has blocked it.
@@ -67,7 +67,7 @@ def _would_run_into(
         distance = elementary.hypot(poses[j, 0] - here[0], poses[j, 1] - here[1])
         if distance > reach + radius + margin:
             continue
-        # A thing may always move away from a robot, even from a very near one.
+        # A thing may always move away from a robot, even if it is very near.
         if distance >= elementary.hypot(poses[j, 0] - before[0], poses[j, 1] - before[1]):
             continue
         if within_margin(body, placed_at(footprint, poses[j, 0], poses[j, 1], poses[j, 2]), margin):

@@ -79,7 +79,7 @@ class Costmap2D:
         return LayeredCostmap(self._grid, layers, self._shape, track, self._walls)
 
     def configure(self, parameters: CostmapParameters) -> None:
-        """Continue with these parameters and the present marks. The costs are updated immediately."""
+        """Continue with these parameters and the present marks. Update the costs immediately."""
         if replace(parameters, publish_frequency=self._parameters.publish_frequency) == self._parameters:
             return
         seen, window = self.obstacles, self._layered.window
@@ -103,7 +103,7 @@ class Costmap2D:
         return self._layered.frame
 
     def observe(self, seen: CostmapObservation) -> None:
-        """Process a scan. It marks immediately, and clears at the update rate of the costmap."""
+        """Process a scan. Mark immediately, and clear at the update rate of the costmap."""
         self._roll(seen.base_in_map.x, seen.base_in_map.y)
         tick = seen.scan.tick
         clears = not 0 < tick - self._cleared < self._clear_ticks

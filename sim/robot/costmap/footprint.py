@@ -33,7 +33,7 @@ def radii(footprint: FloatArray) -> tuple[float, float]:
     """Return the inscribed and circumscribed radius about the base frame's origin, meters.
 
     Args:
-        footprint: (n, 2) corners in order. The last one is connected to the first one.
+        footprint: (n, 2) corners in order. The last corner is connected to the first.
     """
     following = np.roll(footprint, -1, axis=0)
     edges = following - footprint

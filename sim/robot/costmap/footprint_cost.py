@@ -76,7 +76,7 @@ def footprint_cost(costs: Costs, frame: CostFrame, footprint: FloatArray, x: flo
     Returns:
         FREE to INSCRIBED, or COLLIDES.
     """
-    # Corners are placed one by one, without the array of `in_cells`, because this runs for each pose of each
+    # The corners are computed one by one, without the array of `in_cells`, because this runs for each pose of each
     # trajectory.
     c, s = elementary.cos_sin(theta)
     n = footprint.shape[0]

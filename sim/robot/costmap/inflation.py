@@ -46,7 +46,7 @@ def _columns_away(costs: Costs, row: int, row_end: int, left: int, right: int, r
     """Return (row_end - row, right - left) squared distances of cells to the nearest lethal one in their columns."""
     away = np.empty((row_end - row, right - left), np.float32)
     last = np.full(right - left, np.float32(1e4))
-    # Number of rows since the last lethal cell; 1e4 if there is none, because its square is beyond any reach.
+    # Number of rows since the last lethal cell. It is 1e4 if there is none, because its square is beyond any reach.
     for r in range(max(0, row - reach), row_end):
         line = costs[r, left:right]
         for c in range(right - left):
@@ -75,7 +75,7 @@ def _inflate(
 
     Args:
         costs: (rows, cols).
-        table: (k * k + 1,) cost for each squared distance in cells; k is the reach.
+        table: (k * k + 1,) cost for each squared distance in cells, where k is the reach.
         inflate_unknown: True if unknown cells accept any cost, not only that of the inscribed radius.
         row: first row of the window, with `col`, `row_end` and `col_end`. The window is within `costs`.
     """
@@ -90,7 +90,7 @@ def _inflate(
         for c in range(left, right):
             line[c - (col - reach)] = away[r - row, c - left]
         if line.min() >= farthest:
-            # No lethal cell is within reach of any column, as for most rows of open space.
+            # No lethal cell is within reach of any column. In open space, this is so for most rows.
             continue
         for c in range(width):
             best[c] = line[reach + c]

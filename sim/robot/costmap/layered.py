@@ -102,7 +102,7 @@ class LayeredCostmap:
         grid: the map. Its origin must not be rotated.
         layers: layers in the order in which they write.
         shape: rows and columns of a rolling window. If None, the costmap covers the map.
-        track_unknown_space: True if cells that no layer writes are unknown; False if they are free.
+        track_unknown_space: True if cells that no layer writes are unknown, False if they are free.
         ready: (rows, cols) costs of new layers, for a costmap that covers the map. This array is not changed. With it,
             updates write only later changes. If None, the first update writes all costs.
     """

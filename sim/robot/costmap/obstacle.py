@@ -50,7 +50,7 @@ class Sweep(NamedTuple):
         x: pose of the laser in the map, with `y` and `theta`; meters, radians.
         angle_min: angle of the first beam, in the laser's frame.
         angle_increment: angle from one beam to the next.
-        ranges: (beams,) meters; NaN if unknown, +inf if nothing was hit.
+        ranges: (beams,) meters. NaN if unknown, +inf if nothing was hit.
         rays: (beams, 2) cosine and sine of each beam's direction in the map.
     """
 
@@ -68,7 +68,7 @@ class KnownObstacles(NamedTuple):
 
     Attributes:
         distance: distance within which a reading is explained, meters.
-        near_walls: (rows, cols) of the static map; True within this distance of a wall.
+        near_walls: (rows, cols) of the static map, True within this distance of a wall.
         row: row of the marks' cell (0, 0) in the static map; `col` is its column.
         discs: (n, 3) x, y and radius of the other robots, meters.
     """
@@ -89,7 +89,7 @@ def _rays(
     readings, rays = np.empty(ranges.shape[0]), np.empty((ranges.shape[0], 2))
     for i in range(ranges.shape[0]):
         reading = float(ranges[i])
-        # Other numbers are not readings. laser_geometry ignores them, too.
+        # Other numbers are not readings. ROS's laser_geometry ignores them too.
         valid = range_min <= reading < range_max or reading == np.inf
         readings[i] = reading if valid else np.nan
         angle = theta + angle_min + i * angle_increment
@@ -160,7 +160,7 @@ def _clear_along_beams(
         row_end, col_end = math.floor((y - frame.y) / size), math.floor((x - frame.x) / size)
         if row_end < 0 or col_end < 0 or row_end >= rows or col_end >= cols:
             continue
-        # Near the laser, several beams end in the same cell. Clear the line to it only once.
+        # Near the laser, several beams end in the same cell. Clear the line to this cell only once.
         if row_end != last_row or col_end != last_col:
             clear_line(marks, row, col, row_end, col_end, longest, changed)
             last_row, last_col = row_end, col_end
@@ -291,7 +291,7 @@ def _tiles_other_than(marks: Costs, mark: int) -> NDArray[np.int64]:
             tile = marks[i * TILE : (i + 1) * TILE, j * TILE : (j + 1) * TILE]
             other = False
             for r in range(tile.shape[0]):
-                # There is no branch within a row, so that the compiler can compare many cells at once.
+                # The loop over a row has no branch, so that the compiler can compare many cells at once.
                 differing = 0
                 for c in range(tile.shape[1]):
                     differing |= tile[r, c] ^ mark
@@ -344,7 +344,7 @@ def _observe(
         clears: True if the space in front of the readings is cleared.
         clears_between: True if the space between beams is also cleared.
         explained_distance: see `KnownObstacles`, also for the next two arguments.
-        footprint: (n, 2) padded corners of the robot, base frame; (0, 2) if the cells under the robot are not cleared.
+        footprint: (n, 2) padded corners of the robot, base frame. (0, 2) if the cells under the robot are not cleared.
         x: pose of the robot in the map, with `y` and `theta`.
         standing: (4,) window of the static map, which grows to contain all lethal marks.
         changed: (4,) window of the marks, which grows by the cells that change.
@@ -414,7 +414,7 @@ class ObstacleLayer:
             self._near_walls = NOWHERE
         own = parameters.track_unknown_space
         self._default = UNKNOWN if (track_unknown_space if own is None else own) else FREE
-        # An array from `np.zeros` uses no memory until it is overwritten.
+        # `np.zeros` is used where possible, because its arrays use no memory until they are overwritten.
         blank = np.zeros if self._default == FREE else np.ones
         self.marks: Costs = blank(shape or grid.cells.shape, dtype=np.uint8)
         if self._default != FREE:

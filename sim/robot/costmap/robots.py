@@ -79,7 +79,7 @@ def neighbours_reaching(
             # Usually all robots share the same array.
             footprint = other.footprint
             radius = circumscribed_radius(footprint)
-            # A small margin, so that rounding excludes no robot.
+            # The small margin makes sure that rounding excludes no robot.
             reach = radius + 1e-6
             from_x, to_x, from_y, to_y = left - reach, right + reach, low - reach, high + reach
         pose = other.base_in_map
@@ -114,7 +114,7 @@ class RobotsLayer:
         self._parameters = parameters
         self._frame = CostFrame(grid.origin.x, grid.origin.y, grid.resolution)
         self._seen: dict[int, _DrawnRobot] = {}
-        # (4, robots) windows of the drawn robots; None after a change.
+        # (4, robots) windows of the drawn robots, or None after a change.
         self._windows: NDArray[np.int64] | None = None
         self._changes = Changes()
 

@@ -24,7 +24,7 @@ def interpretation(parameters: StaticParameters) -> Costs:
 
 @lru_cache(maxsize=8)
 def _costs_of(parameters: StaticParameters, grid: OccupancyGrid) -> Costs:
-    """Return (rows, cols) costs of the map; read-only, because all robots on a map share them."""
+    """Return (rows, cols) costs of the map. They are read-only, because all robots on a map share them."""
     costs: Costs = interpretation(parameters)[grid.cells.view(np.uint8)]
     costs.setflags(write=False)
     return costs

@@ -16,7 +16,7 @@ class CostmapView:
         tick: time of the costs.
         origin: pose of the grid's first corner, map frame.
         resolution: side of a cell, meters.
-        costs: (rows, cols) uint8, read-only, see `sim.robot.costmap.costs`; row 0 is the lowest.
+        costs: (rows, cols) uint8, read-only, see `sim.robot.costmap.costs`. Row 0 is the lowest.
     """
 
     tick: int

@@ -78,8 +78,8 @@ def _astar_on(
     """Continue A* from the (n,) waiting cells, with their ranks, until `portion` cells have been visited.
 
     Returns:
-        Ranks and numbers of the cells that then wait, in the heap's order. They are empty if the target is met or all
-        cells are visited.
+        Ranks and numbers of the cells that then wait, in the heap's order. They are empty if the target is reached or
+        all cells have been visited.
     """
     queue = [(ranks[i], cells[i]) for i in range(ranks.size)]
     visited = 0
@@ -113,7 +113,7 @@ def _astar_on(
 
 
 def astar(space: Workspace, start: int, target: int, neutral: float, quad: bool, portion: int) -> Iterator[None]:
-    """Fill the potential cell by cell until the target is met, always the cell with the cheapest estimated path next.
+    """Fill the potential cell by cell until the target is reached. The cell with the cheapest estimated path is next.
 
     As in ROS, the potential of a cell is set only once, when the first neighbor reaches it. So the path is not always
     the cheapest one, even if the estimate of the remaining cost (`neutral` for each step of the Manhattan distance) is
@@ -122,7 +122,7 @@ def astar(space: Workspace, start: int, target: int, neutral: float, quad: bool,
     Args:
         space: prepared workspace.
         start: first cell.
-        target: cell where the search ends; -1 for the whole map.
+        target: cell where the search ends, or -1 for the whole map.
         neutral: estimated cost of a step toward the target.
         quad: see `quadratic` of `spread`.
         portion: number of cells to visit at a time.
@@ -154,7 +154,7 @@ def fill_around(potential: Potential, costs: CellCosts, cols: int, cell: int, re
 
 
 class GlobalPlanner:
-    """Functions that are specific to global_planner; see `PotentialMethod`.
+    """Functions that are specific to global_planner. See `PotentialMethod`.
 
     Args:
         parameters: parameters of global_planner.
@@ -177,7 +177,7 @@ class GlobalPlanner:
             threshold = float(parameters.lethal_cost)
             yield from spread(space, seeds, target, 0.0, threshold, 2.0 * neutral, quadratic, portion)
         else:
-            # A cell in the heap of A* takes several times as long as a cell in the unsorted queues.
+            # Half the portion, because a cell in the heap of A* takes much longer than a cell in the unsorted queues.
             yield from astar(space, start, target, neutral, quadratic, portion // 2)
         if target >= 0 and self.exact and space.potential[target] < UNREACHED:
             fill_around(space.potential, space.costs, cols, target, FILL_REACH, quadratic)

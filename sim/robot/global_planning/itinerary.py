@@ -61,8 +61,8 @@ class OtherItineraries(NamedTuple):
     """The itineraries of the other robots, for compiled kernels.
 
     Attributes:
-        points: (n, 2) points of all other robots, one robot after the other.
-        times: (n,) times of the points; -inf for a robot that stands.
+        points: (n, 2) points of all other robots, one robot after another.
+        times: (n,) times of the points. -inf for a robot that stands.
         starts: (k + 1,) index of the first point of each robot.
     """
 
@@ -89,7 +89,7 @@ def itineraries_of(neighbours: Sequence[Neighbour]) -> OtherItineraries:
 
 def relevant_neighbours(neighbours: Sequence[Neighbour], x: float, y: float, distance: float) -> list[Neighbour]:
     """Return all neighbors except those that stand more than `distance` meters away from a place."""
-    # A small margin, so that rounding excludes no neighbor.
+    # The small margin makes sure that rounding excludes no neighbor.
     reach = distance + 1e-6
     return [
         other
@@ -121,7 +121,7 @@ def densified(itinerary: Itinerary) -> Itinerary:
 
 
 def _shares(counts: NDArray[np.int64]) -> FloatArray:
-    """Return 1/n, 2/n, ... 1 for every count n, in the order of the counts."""
+    """Return 1/n, 2/n, ..., 1 for each count n, in the order of the counts."""
     return np.concatenate([np.arange(1, n + 1) / n for n in counts])
 
 
@@ -211,7 +211,7 @@ def keeps_separation(points: FloatArray, times: FloatArray, others: OtherItinera
 
 @njit(cache=True)
 def first_met(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> int:
-    """Return the first other robot to which an itinerary comes too close; -1 if there is none.
+    """Return the first other robot to which an itinerary comes too close, or -1 if there is none.
 
     Args:
         points: (m, 2) points of the itinerary.
@@ -255,7 +255,7 @@ def right_of_way(
             distance does not get even smaller.
 
     Returns:
-        An index from `index` to `last`; the other robot that blocks the next point, or -1; and True if that robot
+        An index from `index` to `last`, the other robot that blocks the next point, or -1, and True if that robot
         stands permanently.
     """
     for i in range(index + 1, last + 1):
@@ -357,7 +357,7 @@ def _open(
 
 @njit(cache=True)
 def reached_index(points: FloatArray, index: int, x: float, y: float) -> int:
-    """Return the index of the point that a robot at (x, y) has reached: the nearest one not far ahead.
+    """Return the index of the point that a robot at (x, y) has reached: the nearest point not far ahead.
 
     It never decreases.
     """
@@ -366,7 +366,7 @@ def reached_index(points: FloatArray, index: int, x: float, y: float) -> int:
     along = 0.0
     for i in range(index + 1, points.shape[0]):
         along += elementary.hypot(points[i, 0] - points[i - 1, 0], points[i, 1] - points[i - 1, 1])
-        # A loop to a waiting place and back is longer than this. So it is never skipped.
+        # A loop to a waiting place and back is longer than this limit. So the loop is never skipped.
         if along > 0.45:
             break
         distance = elementary.hypot(points[i, 0] - x, points[i, 1] - y)

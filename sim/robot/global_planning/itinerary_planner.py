@@ -90,7 +90,7 @@ class ItineraryPlanner:
         planner: planner of paths without regard to other robots.
 
     Attributes:
-        fault: failure of an installed planner, until it is read; empty without a failure.
+        fault: failure of an installed planner, until it is read. Empty without a failure.
     """
 
     def __init__(
@@ -136,7 +136,7 @@ class ItineraryPlanner:
         return self._attempt is not None
 
     def search_on(self) -> None:
-        """Do this tick's portion of the present search."""
+        """Continue the present search by this tick's portion."""
         attempt = self._attempt
         if attempt is None or attempt.search is None:
             return
@@ -245,7 +245,7 @@ class ItineraryPlanner:
         return seen.any_marks and bool(_touched(points, seen.marks, self._frame, radius))
 
     def refuge(self, start: Pose2, wanted_path: FloatArray, time: float, others: OtherItineraries) -> Itinerary | None:
-        """Plan an itinerary to a place off another robot's path; None if there is no such place.
+        """Plan an itinerary to a place off another robot's path. Return None if there is no such place.
 
         Args:
             start: pose of the base.
@@ -261,7 +261,7 @@ class ItineraryPlanner:
         return away if self._executable(away, others) else None
 
     def made_way_for(self, itinerary: Itinerary, others: OtherItineraries) -> int | None:
-        """Return the first robot for which an itinerary makes way; None if there is none.
+        """Return the first robot for which an itinerary makes way, or None if there is none.
 
         Without other robots, this robot would drive on another path. On that path it would meet the returned robot
         first.
@@ -278,7 +278,7 @@ class ItineraryPlanner:
         return None if met < 0 else met
 
     def obstructs(self, place: FloatArray, wanted_path: FloatArray) -> bool:
-        """Return True if a robot at a (2,) place blocks another one on its (m, 2) path."""
+        """Return True if a robot at a (2,) place blocks another robot on its (m, 2) path."""
         return bool(
             (
                 elementary_arrays.hypot(wanted_path[:, 0] - place[0], wanted_path[:, 1] - place[1]) < self.separation

@@ -1,8 +1,8 @@
 """Plan on request, to a goal or to a place near it within the caller's tolerance.
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp (planService).
-Differences: costs are not changed. One search finds all reachable places, while ROS makes one plan to each. The request
-also works while the robot drives.
+Differences: costs are not changed. One search finds all reachable places, while ROS plans to each place separately. The
+request also works while the robot drives.
 """
 
 import math
@@ -50,9 +50,9 @@ def make_plan(
     step = min(STEP * frame.resolution, tolerance)
     rows, cols = costs.shape
     corner = np.array([frame.x, frame.y])
-    # Subtract a little, because rounding might lead to a cell beyond the last one.
+    # Subtract a little, because rounding might lead to a cell beyond the last cell.
     opposite = corner + (np.array([cols, rows]) - 1e-6) * frame.resolution
-    # Beyond the map there is nothing to search.
+    # Places beyond the map need no search.
     farthest = min(tolerance, (rows + cols) * frame.resolution)
     for ring in range(1, math.floor(farthest / step + 1e-6) + 1):
         points = np.array([goal.x, goal.y]) + _square(ring) * step

@@ -31,7 +31,7 @@ def passage_costs(allow_unknown: bool) -> CellCosts:
 
 
 class Navfn:
-    """Functions that are specific to navfn; see `PotentialMethod`.
+    """Functions that are specific to navfn. See `PotentialMethod`.
 
     Args:
         parameters: parameters of navfn.

@@ -41,7 +41,7 @@ class Path:
     """Path: poses from start to goal.
 
     Attributes:
-        poses: (m, 3) poses in the map, meters and radians. Each faces the next one. The last pose has the goal's
+        poses: (m, 3) poses in the map, meters and radians. Each faces the next pose. The last pose has the goal's
             heading.
     """
 
@@ -74,7 +74,7 @@ def plan_refusal(code: PlanRefusalCode) -> PlanRefusal:
 def with_edge(
     refusal: PlanRefusal, shape: tuple[int, ...], frame: CostFrame, start: Pose2, goal: Pose2, radius: float = 0.0
 ) -> PlanRefusal:
-    """Return the refusal. If start or goal is too near the map's edge for planner or body, add a note.
+    """Return the refusal. If start or goal is too near to the map's edge for planner or body, add a note.
 
     Args:
         refusal: reason why no path exists.
@@ -102,7 +102,7 @@ def with_edge(
 
 
 PathSearch = Generator[None, None, Path | PlanRefusal]
-"""Search for a path that does one portion of work at a time."""
+"""Search for a path, one portion of work at a time."""
 
 
 class PathPlanner(Protocol):
@@ -123,7 +123,7 @@ class RobotPathPlanner(PathPlanner, Protocol):
     """Global planner of a robot. If an installed planner fails, it raises `PartFailed` and no other exception."""
 
     def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | PlanRefusal:
-        """Plan a path at once; see `search`."""
+        """Plan a path at once. See `search`."""
 
     def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
         """Return a (rows, cols) mask of the cells where a path from a start may end. See `search` for the arguments."""
@@ -133,11 +133,11 @@ class PlannerFactory(Protocol):
     """Factory of an installed global planner."""
 
     def __call__(self, parameters: RobotParameters, seed: int, /) -> RobotPathPlanner:
-        """Return the planner of a robot with these parameters; `seed` differs for each robot."""
+        """Return the planner of a robot with these parameters. `seed` is different for each robot."""
         ...
 
 
 def headings(points: FloatArray, last: float) -> FloatArray:
-    """Return (m, 3) poses on (m, 2) points. Each faces the next one, and the last pose has the heading `last`."""
+    """Return (m, 3) poses on (m, 2) points. Each faces the next pose, and the last pose has the heading `last`."""
     steps = np.diff(points, axis=0)
     return np.column_stack([points, np.append(elementary_arrays.atan2(steps[:, 1], steps[:, 0]), last)])

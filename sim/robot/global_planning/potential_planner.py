@@ -32,7 +32,7 @@ class PotentialMethod(Protocol):
 
     @property
     def table(self) -> CellCosts:
-        """(256,) cost of crossing a cell for each cell cost; BLOCKED if it cannot be crossed."""
+        """(256,) cost of crossing a cell for each cell cost, or BLOCKED if it cannot be crossed."""
 
     @property
     def tolerance(self) -> float:
@@ -45,7 +45,7 @@ class PotentialMethod(Protocol):
     def spread(self, space: Workspace, x: float, y: float, target: int, portion: int) -> Iterator[None]:
         """Fill the potential from a position, in cells, until the target is reached. -1 means no target.
 
-        Yield after every portion (a number of visited cells) except the last one.
+        Yield after every portion (a number of visited cells) except the last.
         """
 
     def trace(self, potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
@@ -73,7 +73,7 @@ class PotentialPlanner:
         return self.potential(costs, frame, start) < UNREACHED
 
     def potential(self, costs: Costs, frame: CostFrame, start: Pose2) -> Potential:
-        """Return the (rows, cols) potential from a start; UNREACHED where no path can end.
+        """Return the (rows, cols) potential from a start, with UNREACHED where no path can end.
 
         See `search` for the arguments.
         """
@@ -90,7 +90,7 @@ class PotentialPlanner:
         return space.potential.reshape(rows, cols).copy()
 
     def descend(self, potential: Potential, frame: CostFrame, place: Pose2, start: Pose2) -> FloatArray | None:
-        """Return (m, 2) points from a place down to the start of a `potential`, meters; None if it is not reached."""
+        """Return (m, 2) points from a reached place down to the start of a `potential`, meters, otherwise None."""
         rows, cols = potential.shape
         (x, y), (end_x, end_y) = _position(frame, place), _position(frame, start)
         if not (0 <= round(y) < rows and 0 <= round(x) < cols) or potential[round(y), round(x)] >= UNREACHED:
@@ -122,7 +122,7 @@ class PotentialPlanner:
             goal: pose at the end.
 
         Yields:
-            After every portion of work except the last one.
+            After every portion of work except the last.
 
         Returns:
             The path, or the reason why none exists.

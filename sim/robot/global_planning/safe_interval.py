@@ -45,7 +45,7 @@ class BusyBins(NamedTuple):
     """Time bins in which other robots come near cells, for compiled kernels.
 
     Attributes:
-        row: (rows, cols) row of `busy` for each cell of the coarse grid; -1 if no robot ever comes near.
+        row: (rows, cols) row of `busy` for each cell of the coarse grid, or -1 if no robot ever comes near.
         busy: (n, bins) True if another robot comes near during a bin.
     """
 
@@ -104,7 +104,7 @@ def _shade(
     `count` rows of the traffic are in use. Return the new traffic and the new count.
 
     `present` is the distance of that robot from the planning robot's start (start_x, start_y), meters. At the start,
-    the required distance is at most this. Otherwise a robot that stands too close to another one could never leave.
+    the required distance is at most this. Otherwise a robot that stands too close to another robot could never leave.
     """
     row_of, busy = traffic
     rows, cols = row_of.shape
@@ -185,7 +185,7 @@ def _traffic(
 
 @njit(cache=True)
 def _distances(free: BoolArray, targets: BoolArray, side: float) -> FloatArray:
-    """Return (rows, cols) meters to the nearest target through free cells; inf if none can be reached.
+    """Return (rows, cols) distances to the nearest target through free cells, meters, or inf if none can be reached.
 
     The grid is swept forward and backward in turn until nothing changes (a distance transform over eight neighbors). A
     cell is visited again only if one of its neighbors has changed, because otherwise its distance cannot decrease.
@@ -247,10 +247,10 @@ def _make_due(due: BoolArray, in_row: NDArray[np.int64], free: BoolArray, row: i
 def _reachable(
     free: BoolArray, first: NDArray[np.int64], closes: FloatArray, targets: BoolArray, start_row: int, start_col: int
 ) -> bool:
-    """Return False if a robot cannot get from the start to a target where it may stay, whatever its waits.
+    """Return False if a robot cannot get from the start to a target where it may stay, no matter how it waits.
 
-    Reasons are that no target becomes free permanently, or that a robot that stands permanently blocks every path. In
-    these cases a search would visit all states without a result. The states are as in `_search`.
+    Either no target becomes free permanently, or a robot that stands permanently blocks every path. In these cases a
+    search would visit all states without a result. The states are as in `_search`.
     """
     rows, cols = free.shape
     met = np.zeros((rows, cols), np.bool_)
@@ -462,7 +462,7 @@ def route(
         separation: minimum distance from center to center, meters.
 
     Returns:
-        The itinerary; None if there is none within the time that the search covers.
+        The itinerary, or None if there is none within the time that the search covers.
     """
     cell = _nearest(roadmap, free, goal[0], goal[1], 2 * roadmap.side)
     if cell is None:

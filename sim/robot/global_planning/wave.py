@@ -32,7 +32,7 @@ from sim.numerics.kernels import njit
 from sim.robot.costmap.costs import Costs
 
 Potential = NDArray[np.float32]
-"""(rows * cols,) cost of the cheapest path from the robot; UNREACHED if the wave did not reach the cell."""
+"""(rows * cols,) cost of the cheapest path from the robot, or UNREACHED if the wave did not reach the cell."""
 CellCosts = NDArray[np.uint8]
 Cells = NDArray[np.uint32]
 Points = NDArray[np.float32]
@@ -52,7 +52,7 @@ class Workspace:
         potential: (rows * cols,).
         waiting: (rows * cols,) True while a cell waits in a queue.
         queues: (3, rows * cols) waiting cells.
-        users: searches that use the workspace. The first one uses it now, and the others wait.
+        users: searches that use the workspace. The first uses it now, and the others wait.
     """
 
     def __init__(self, rows: int, cols: int) -> None:
@@ -176,7 +176,7 @@ def _spread_on(
         potential: (rows * cols,) present potential.
         costs: (rows * cols,) cost of crossing a cell.
         waiting: (rows * cols,) True for the cells in the queues.
-        queues: (3, rows * cols) cells of this round, of the next round, and postponed ones.
+        queues: (3, rows * cols) cells of this round, cells of the next round, and postponed cells.
         lengths: (3,) lengths of the queues, changed in place. The second length is 0.
         cols: number of columns.
         target: cell at which to stop; -1 for the whole map.
@@ -201,8 +201,8 @@ def _spread_on(
     while goes_on and visited < portion:
         visited += n_current
         for i in range(n_current):
-            # First mark all cells of this round as not waiting, then visit them. The reason is that a visit may put
-            # another cell of this round into a queue again.
+            # First mark all cells of this round as not waiting, then visit them, because a visit may put another cell
+            # of this round into a queue again.
             waiting[queues[current, i]] = False
         for i in range(n_current):
             cell = np.uint64(queues[current, i])
@@ -294,7 +294,7 @@ def spread(
 
 @njit(cache=True)
 def _slope(potential: Potential, cell: int, cols: int) -> tuple[np.float32, np.float32]:
-    """Return the unit vector (x, y) of the steepest descent at a cell; (0, 0) if it is level."""
+    """Return the unit vector (x, y) of the steepest descent at a cell, or (0, 0) if it is level."""
     here = potential[cell]
     dx = dy = np.float32(0.0)
     left, right, below, above = potential[cell - 1], potential[cell + 1], potential[cell - cols], potential[cell + cols]
@@ -417,7 +417,7 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
 
 @njit(cache=True)
 def descend_by_cells(potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
-    """Do the same as `descend`, but from cell to cell. Each cell is the lowest of the eight around the previous one."""
+    """Do the same as `descend`, but from cell to cell, always to the lowest of the eight cells around."""
     path = [(np.float32(x), np.float32(y))]
     cell = round(y) * cols + round(x)
     end = round(end_y) * cols + round(end_x)

@@ -1,12 +1,12 @@
 """Safe commands: commands after which a robot can still stop in time.
 
-Assume that a robot obeys a command until the next one, and then brakes as hard as it can. The command is safe if during
-this time the robot never comes too close to a wall, or to a place where a neighbor can be while the neighbor brakes.
-Walls must remain WALL_MARGIN away. A robot may use half of the gap to a neighbor, minus `NEIGHBOUR_MARGIN`, because the
-other robot may use the other half at the same time. If the gap is already below the margin, because an estimate jumped
-or a robot was put there, the gap must not shrink. So braking is always safe if the last command was safe. Robots that
-obey only safe commands do not collide, as long as the margins cover the errors of their estimates. Turning in place
-moves the corners of a robot very little between two commands. So a turn may use all of a gap except TURNING_MARGIN.
+Assume that a robot obeys a command until the next command, and then brakes as hard as it can. The command is safe if
+during this time the robot never comes too close to a wall, or to a place where a neighbor can be while it brakes. Walls
+must remain WALL_MARGIN away. A robot may use half of the gap to a neighbor, minus `NEIGHBOUR_MARGIN`, because the other
+robot may use the other half at the same time. If the gap is already below the margin, because an estimate jumped or a
+robot was put there, the gap must not shrink. So braking is always safe if the last command was safe. Robots that obey
+only safe commands do not collide, as long as the margins cover the errors of their estimates. Turning in place moves
+the corners of a robot very little between two commands. So a turn may use all of a gap except TURNING_MARGIN.
 
 Source: Fox, Burgard, Thrun, The Dynamic Window Approach to Collision Avoidance (1997), for admissible velocities, from
 which a robot can stop in time; van den Berg, Lin, Manocha, Reciprocal Velocity Obstacles (ICRA 2008), for two robots
@@ -30,7 +30,7 @@ from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
 from sim.robot.costmap.footprint_cost import circumscribed_radius
 
 WALL_MARGIN = 0.08
-"""Distance kept from walls, meters: about the largest error of localization."""
+"""Distance kept from walls, meters. It is about the maximum error of localization."""
 LEAST_MARGIN = 0.03
 """Part of WALL_MARGIN that always remains, meters."""
 USUAL_PADDING = 0.01
@@ -38,7 +38,7 @@ USUAL_PADDING = 0.01
 SLIGHT_MARGIN = 0.01
 """Minimum of a margin after the subtraction of excess padding, meters."""
 NEIGHBOUR_MARGIN = 0.14
-"""Distance kept from neighbors, meters: the localization errors of two robots add up."""
+"""Distance kept from neighbors, meters. It is larger, because the localization errors of two robots add up."""
 TURNING_MARGIN = 0.08
 LATENCY = 0.02
 """Time from a decision to its effect, seconds."""
@@ -81,7 +81,7 @@ def _inside(x: float, y: float, polygon: FloatArray) -> bool:
 
 @njit(cache=True)
 def gap(a: FloatArray, b: FloatArray) -> float:
-    """Return the distance between two polygons, meters; 0 if they touch or overlap.
+    """Return the distance between two polygons, meters, or 0 if they touch or overlap.
 
     Args:
         a: (n, 2) corners in order.
@@ -108,7 +108,7 @@ def gap(a: FloatArray, b: FloatArray) -> float:
 
 @njit(cache=True)
 def _toward(speed: float, wanted: float, step: float) -> float:
-    """Return the velocity after a change of at most `step` toward the wanted one."""
+    """Return the velocity after a change of at most `step` toward the wanted velocity."""
     return min(speed + step, wanted) if wanted > speed else max(speed - step, wanted)
 
 
@@ -144,7 +144,7 @@ def stopping_poses(
 def wall_clearance(
     clearance: NDArray[np.float32], frame: CostFrame, outline: FloatArray, x: float, y: float, theta: float
 ) -> float:
-    """Return the distance from a robot's outline to the nearest wall, meters; 0 outside the map.
+    """Return the distance from a robot's outline to the nearest wall, meters, or 0 outside the map.
 
     Args:
         clearance: see Surroundings.
@@ -224,8 +224,8 @@ def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: 
             turned = theta + w * time
             c, s = elementary.cos_sin(theta + 0.5 * w * time)
             body = placed_at(footprints[k], x + v * time * c, y + v * time * s, turned)
-            # Copy the corners one by one. For slices of possibly different shapes, numba would compile an error
-            # message, which takes about a second.
+            # Copy the corners one by one. For slices whose shapes may differ, numba would compile an error message,
+            # which takes about a second.
             for i in range(body.shape[0]):
                 out[3 * k + part, i, 0], out[3 * k + part, i, 1] = body[i, 0], body[i, 1]
     return out
@@ -233,7 +233,7 @@ def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: 
 
 @njit(cache=True)
 def _gaps(body: FloatArray, bodies: FloatArray) -> FloatArray:
-    """Return (k,) distances from one polygon to k others, meters. The three outlines of a robot get the smallest."""
+    """Return (k,) distances from a polygon to k others, meters. All three outlines of a robot get their minimum."""
     out = np.empty(bodies.shape[0])
     for k in range(0, bodies.shape[0], 3):
         least = min(gap(body, bodies[k]), gap(body, bodies[k + 1]), gap(body, bodies[k + 2]))
@@ -257,7 +257,7 @@ def surroundings(
         frame: frame of these cells in the map.
         footprint: (n, 2) padded corners of the robot.
         pose: pose of its base in the map.
-        neighbours: the other robots. Distant ones are ignored.
+        neighbours: the other robots. Distant robots are ignored.
         acc_lim_x: braking limit for all robots, m/s^2.
         hold: time between two commands, including latency, seconds.
     """
@@ -306,17 +306,17 @@ def safe(
     around: Surroundings, footprint: FloatArray, outline: FloatArray, x: float, y: float, theta: float, v: float,
     w: float, wanted_v: float, wanted_w: float, hold: float, acc_lim_x: float, acc_lim_theta: float, margin: float,
 ) -> bool:  # fmt: skip
-    """Return True if a command leaves room to stop; see the module's docstring.
+    """Return True if a command leaves room to stop. See the module's docstring.
 
     Args:
         around: the surroundings at this pose.
         footprint: (n, 2) padded corners of the robot.
         outline: (m, 2) points along the footprint.
         x: pose of the base in the map, with `y` and `theta`.
-        v: velocity of the robot, m/s; `w` is its angular velocity, rad/s.
+        v: velocity of the robot, m/s. `w` is its angular velocity, rad/s.
         wanted_v: the command, with `wanted_w`.
         hold: time between two commands, including latency, seconds.
-        acc_lim_x: braking limit, m/s^2; `acc_lim_theta` is the limit for turns, rad/s^2.
+        acc_lim_x: braking limit, m/s^2. `acc_lim_theta` is the limit for turns, rad/s^2.
         margin: distance to keep from walls, meters.
     """
     room = wall_clearance(around.clearance, around.frame, outline, x, y, theta)
@@ -343,8 +343,8 @@ def safe(
         body = around.bodies[j]
         for k in range(poses.shape[0]):
             px, py, turned = poses[k]
-            # The whole footprint is within `radius` of the base. So in most cases the distance of the base is enough,
-            # which is cheap to compute.
+            # The whole footprint is within `radius` of the base. So in most cases the distance of the base, which is
+            # cheap to compute, is sufficient.
             closest = np.inf
             for i in range(body.shape[0]):
                 closest = min(closest, point_to_edge(px, py, body[i - 1, 0], body[i - 1, 1], body[i, 0], body[i, 1]))

@@ -10,7 +10,7 @@ at the first command that passes (`rollout.best_safe_command`).
 Source: ros-planning/navigation, dwa_local_planner/src/dwa_planner.cpp; base_local_planner/src/
 simple_trajectory_generator.cpp, simple_scored_sampling_planner.cpp and the cost functions; Fox, Burgard, Thrun, The
 Dynamic Window Approach to Collision Avoidance (1997).
-Differences: those of `trajectory_rollout`, and one more. In ROS, a standing robot prefers turning in place wherever
+Differences: those of `trajectory_rollout`, and another. In ROS, a standing robot prefers turning in place wherever
 obstacle costs exceed progress. Here it does not (see `STALL_TIMEOUT` in `local_planner`).
 """
 
@@ -50,9 +50,9 @@ class _Samples(NamedTuple):
     """Commands to try, and settings of their rollouts.
 
     Attributes:
-        v: (k,) velocities, m/s; `w` has (m,) angular velocities, rad/s.
+        v: (k,) velocities, m/s. `w` are (m,) angular velocities, rad/s.
         least_v: commands slower than both `least_v` and `least_w` are not tried.
-        only_v: required sign of v; 0 allows both. `only_w` is the same for w.
+        only_v: required sign of v. 0 permits both signs. `only_w` is the same for w.
         at_once: True if a command's velocity is reached immediately.
         sim_time: see DwaPlannerParameters, also for the other fields.
     """
@@ -73,7 +73,7 @@ class _Critics(NamedTuple):
     """Weights and settings for the score of a trajectory.
 
     Attributes:
-        path: weight per cell between the center's last position and the path; `alignment` is the same for the nose.
+        path: weight per cell between the center's last position and the path. `alignment` is the same for the nose.
         goal: weight per cell between the last position and the path's end, for center and nose.
         obstacles: weight per unit of cost.
         sum_scores: True if the costs along the trajectory add up.
@@ -115,7 +115,7 @@ def _best(
     costs: Costs, frame: CostFrame, grid: MapGrids, path: FloatArray, around: Surroundings, body: RobotBody,
     now: MotionState, samples: _Samples, critics: _Critics,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the best safe command (v, w) and its score; infinite if there is none."""
+    """Return the best safe command (v, w) and its score, or an infinite score if there is no command."""
     rows, cols = costs.shape
     total = samples.v.shape[0] * samples.w.shape[0]
     out = candidate_commands(total)
@@ -197,7 +197,7 @@ class _OscillationCritic:
         reset_angle: turn after which it may reverse, radians.
 
     Attributes:
-        only: required signs of v and w; 0 allows both.
+        only: required signs of v and w. 0 permits both.
     """
 
     def __init__(self, reset_dist: float, reset_angle: float) -> None:

@@ -63,17 +63,17 @@ class PlannerLimits:
     """Parameters of a local planner that are used by the navigator and by maneuvers of all planners.
 
     Attributes:
-        acc_lim_x: limit of acceleration, m/s^2; `acc_lim_theta` is the limit for turns, rad/s^2.
-        max_vel_theta: maximum angular velocity, rad/s; in place, the minimum is `min_in_place_vel_theta`.
+        acc_lim_x: limit of acceleration, m/s^2. `acc_lim_theta` is the limit for turns, rad/s^2.
+        max_vel_theta: maximum angular velocity, rad/s. In place, the minimum is `min_in_place_vel_theta`.
         escape_vel: velocity for backing up, negative, m/s. Backing up ends after `escape_reset_dist` meters or
             `escape_reset_theta` radians.
         heading_lookahead: distance along the path to the point that a robot faces before it starts, meters.
         oscillation_reset_dist: distance after which a robot may turn in the opposite direction, meters.
         sim_time: duration of a rollout, seconds.
         sim_granularity: distance between the points of a rollout, meters.
-        xy_goal_tolerance: tolerance of the position, meters; `yaw_goal_tolerance` is that of the heading, radians.
-        latch_xy_goal_tolerance: True if a robot that once was at the goal only turns from then on.
-        trans_stopped_vel: velocity below which a robot counts as standing, m/s; `theta_stopped_vel` is that of turns,
+        xy_goal_tolerance: tolerance of the position, meters. `yaw_goal_tolerance` is that of the heading, radians.
+        latch_xy_goal_tolerance: True if a robot that has reached the goal only turns from then on.
+        trans_stopped_vel: velocity below which a robot counts as standing, m/s. `theta_stopped_vel` is that of turns,
             rad/s.
     """
 
@@ -275,7 +275,7 @@ class LocalPlanner(ABC):
         limits, difference = self.limits, wrap_angle(self._heading - pose.theta)
         speed = min(limits.max_vel_theta, max(limits.min_in_place_vel_theta, abs(difference)))
         command = STANDSTILL if abs(twist.linear) > 0.1 else Twist(0.0, math.copysign(speed, difference))
-        # One command at the minimum rate must not turn the robot past the heading. Otherwise it would have to turn
+        # A single command at the minimum rate must not turn the robot past the heading. Otherwise it would have to turn
         # back.
         tolerance = max(ALIGNED, limits.min_in_place_vel_theta * self._body.period)
         if abs(difference) < tolerance or not self.safe(pose, twist, command, around):
@@ -292,7 +292,7 @@ class LocalPlanner(ABC):
         greatest_v: float,
         around: Surroundings,
     ) -> float | None:
-        """Return a heading with progress, to which the robot can turn in place; None if there is none.
+        """Return a heading with progress, to which the robot can turn in place, or None if there is none.
 
         See `_search` for the arguments.
         """
@@ -309,7 +309,7 @@ class LocalPlanner(ABC):
         around: Surroundings,
         stalled: bool,
     ) -> tuple[float, float, float]:
-        """Return the best safe command (v, w) and its score. Lower scores are better; infinite if there is no command.
+        """Return the best safe command (v, w) and its score. Lower is better. If there is no command, it is infinite.
 
         Args:
             now: pose and velocities of the robot.

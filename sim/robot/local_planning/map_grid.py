@@ -19,7 +19,7 @@ from sim.numerics.kernels import njit
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
 
 Steps = NDArray[np.int32]
-"""Number of steps, each to a cell that shares a side; negative if unreachable or not requested."""
+"""Number of steps, each to a cell that shares a side. Negative if unreachable or not requested."""
 
 OPEN = -1
 CLOSED = -2
@@ -34,7 +34,7 @@ class MapGrids(NamedTuple):
         goal: same size, steps from the end of the path.
         nose: same size, steps from the point where a robot's nose should end.
         queue: same size, cells to visit.
-        wanted: same size, True for cells with a requested count; all False between calls.
+        wanted: same size, True for cells with a requested count. All are False between calls.
     """
 
     terrain: Steps
@@ -54,7 +54,7 @@ def map_grids(rows: int, cols: int) -> MapGrids:
 
 @njit(cache=True)
 def index_of(costs: Costs, frame: CostFrame, x: float, y: float) -> int:
-    """Return the flat index of the cell at a map point; -1 outside the costmap."""
+    """Return the flat index of the cell at a map point, or -1 outside the costmap."""
     rows, cols = costs.shape
     row = math.floor((y - frame.y) / frame.resolution)
     col = math.floor((x - frame.x) / frame.resolution)
@@ -66,7 +66,7 @@ def index_of(costs: Costs, frame: CostFrame, x: float, y: float) -> int:
 
 @njit(cache=True)
 def survey(costs: Costs, frame: CostFrame, x: float, y: float, own_radius: float, terrain: Steps) -> None:
-    """Close the cells with costs of INSCRIBED and more, except those under the robot itself.
+    """Close the cells with costs of INSCRIBED and more, except cells under the robot itself.
 
     Args:
         costs: (rows, cols).
@@ -124,10 +124,10 @@ def spread(grid: MapGrids, cols: int, seeds: Steps, queried: Steps, steps: Steps
     """Count the steps from the nearest seed, by breadth-first search.
 
     Args:
-        grid: work arrays; the terrain must have been surveyed.
+        grid: work arrays, after a call of `survey`.
         cols: columns of the costmap.
         seeds: flat indices.
-        queried: flat indices of the cells with requested counts. Negative ones are ignored. If it is empty, all cells
+        queried: flat indices of the cells with requested counts. Negative indices are ignored. If empty, all cells
             are counted.
         steps: array of the grid for the output.
     """

@@ -35,9 +35,9 @@ class RobotBody(NamedTuple):
         footprint: (n, 2) padded corners, base frame.
         roomy: footprint enlarged by the part of COMFORT that its padding does not cover.
         outline: (m, 2) points along the footprint.
-        inscribed: inscribed radius of the footprint, meters; `circumscribed` is the circumscribed one.
+        inscribed: inscribed radius of the footprint, meters. `circumscribed` is the circumscribed radius.
         cost_scaling_factor: parameter of the costmap's inflation, like `inflation_radius`.
-        acc_lim_x: limit of acceleration and braking, m/s^2; `acc_lim_theta` is the limit for turns, rad/s^2.
+        acc_lim_x: limit of acceleration and braking, m/s^2. `acc_lim_theta` is the limit for turns, rad/s^2.
         period: time between two commands, seconds.
         hold: time between two commands plus latency, seconds.
         margin: distance to keep from walls, meters.
@@ -91,7 +91,7 @@ def surely_free(body: RobotBody, scale: float) -> int:
 def rollout(
     now: MotionState, wanted_v: float, wanted_w: float, body: RobotBody, sim_time: float, steps: int
 ) -> FloatArray:
-    """Return (steps, 3) poses along the trajectory of a command. The first pose is the present one.
+    """Return (steps, 3) poses along the trajectory of a command. The first is the present pose.
 
     Velocities approach the command at the limits of acceleration. The heading's cosine and sine are rotated step by
     step, which is faster than computing them for each pose.
@@ -172,7 +172,7 @@ def trajectory_cost(
 
 @njit(cache=True)
 def outline_free(costs: Costs, frame: CostFrame, footprint: FloatArray, poses: FloatArray, free: int) -> bool:
-    """Return True if a footprint touches nothing at (k, 3) poses except the first one; see `surely_free` for `free`."""
+    """Return True if a footprint touches nothing at all (k, 3) poses but the first. See `surely_free` for `free`."""
     for i in range(1, poses.shape[0]):
         x, y, theta = poses[i]
         row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
@@ -211,7 +211,7 @@ class CandidateCommands(NamedTuple):
 
     Attributes:
         commands: (m, 2) m/s and rad/s.
-        scores: (m,) lower is better; infinite if a command makes no progress.
+        scores: (m,) scores. Lower is better. Infinite if a command makes no progress.
         steps: (m,) number of poses of each rollout.
         growth: (m,) scale factor of the footprint that must be free along the rollout.
         doubtful: (m,) True if the outline may touch something.
@@ -241,10 +241,10 @@ def best_safe_command(
     costs: Costs, frame: CostFrame, tried: CandidateCommands, n: int, around: Surroundings, body: RobotBody,
     now: MotionState, sim_time: float, at_once: bool,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the best free and safe command (v, w) of n commands, and its score; infinite if there is none.
+    """Return the best free and safe command (v, w) of n commands, and its score, which is infinite if there is none.
 
     The slow checks start with the best score and end at the first command that passes. A command that comes nearer to
-    something than COMFORT is used only if no other is left, or if the robot is already that near.
+    something than COMFORT is used only if there is no other, or if the robot is already that near.
 
     Args:
         costs: (rows, cols) local costmap.
@@ -261,7 +261,7 @@ def best_safe_command(
     # A robot that is already too close must still be able to leave.
     crowded = footprint_cost(costs, frame, body.roomy, now.x, now.y, now.theta) < 0.0
     for _ in range(n):
-        # Select the minimum repeatedly instead of sorting, because one of the first commands usually passes.
+        # Select the minimum repeatedly instead of sorting, because usually one of the first commands passes.
         best = 0
         for i in range(1, n):
             if tried.scores[i] < tried.scores[best]:

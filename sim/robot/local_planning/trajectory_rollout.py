@@ -3,7 +3,7 @@
 Source: ros-planning/navigation, base_local_planner/src/trajectory_planner.cpp and trajectory_planner_ros.cpp; Gerkey,
 Konolige, Planning and Control in Unstructured Terrain (2008).
 Differences: a robot that faces away from its path first turns in place. Obstacle costs are read under the robot's
-center; the outline is only checked for collisions. Only the scored pose of a trajectory must have a path to the goal. A
+center. The outline is only checked for collisions. Only the scored pose of a trajectory must have a path to the goal. A
 command must also be safe (`braking`). The velocity is reduced near a point that the robot must not pass yet. With a
 `min_vel_x` above 0, turns in place are tried only if no other command makes progress, and only to a heading with
 progress.
@@ -44,7 +44,7 @@ LOOK_STEP = 0.15
 
 
 class _Samples(NamedTuple):
-    """Commands to try, and settings of their rollouts; see TrajectoryPlannerParameters."""
+    """Commands to try, and settings of their rollouts. See TrajectoryPlannerParameters."""
 
     lowest_v: float
     highest_v: float
@@ -63,7 +63,7 @@ class _Weights(NamedTuple):
     """Weights for the score of a trajectory.
 
     Attributes:
-        path: weight per cell off the path; `goal` is that per remaining cell, `obstacles` that per unit of cost.
+        path: weight per cell off the path. `goal` is that per remaining cell, `obstacles` that per unit of cost.
         heading_time: time along a trajectory at which its heading is scored, seconds. If negative, its end is scored.
         straight: True if the score uses the squared straight distance to the goal.
     """
@@ -102,7 +102,7 @@ def _in_sight(costs: Costs, frame: CostFrame, x: float, y: float, to_x: float, t
 def _heading_off(costs: Costs, frame: CostFrame, path: FloatArray, x: float, y: float, theta: float) -> float:
     """Return the angle between a heading and the farthest visible point of the path, radians.
 
-    If none is visible, infinite.
+    It is infinite if no point is visible.
     """
     for i in range(path.shape[0] - 1, -1, -1):
         if _in_sight(costs, frame, x, y, path[i, 0], path[i, 1]):
@@ -115,7 +115,7 @@ def _best(
     costs: Costs, frame: CostFrame, grid: MapGrids, path: FloatArray, around: Surroundings, body: RobotBody,
     now: MotionState, samples: _Samples, weights: _Weights,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the best safe command (v, w), and its score minus that of standing still; infinite without a command."""
+    """Return the best safe command (v, w), and its score minus that of standing still. Infinite without a command."""
     cols = costs.shape[1]
     by_time = weights.heading_time >= 0.0
     free = surely_free(body, 1.0)

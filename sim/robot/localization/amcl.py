@@ -46,7 +46,7 @@ This applies to a lost robot, and to a robot with scans that fit badly.
 
 MARGINS = (0.03, 0.1)
 """Additional share of a scan that a rival must explain to be better than the pose. The first value is for a pose that
-was found by a recent search, the second value for a pose that was set or has been tracked for long."""
+was found by a recent search, the second for a pose that was set or has been tracked for a long time."""
 MOST_OF_ONE_SCAN = 0.25
 """Maximum effect of one scan for or against a rival, so that no single scan decides."""
 CHALLENGED = 0.15
@@ -70,13 +70,13 @@ class ParticleBelief:
         tick: tick of the last update.
         base_in_odom: odometry pose at that time.
         place: hypothesis with the tracked pose.
-        rival: second hypothesis; None if there is no reason to search.
+        rival: second hypothesis, or None if there is no reason to search.
         lead: sum over recent scans of the share that the rival explained better than the pose, see `WON`.
         anywhere: True while the pose itself is searched on the whole map.
-        proven: True if the pose was set, or has been tracked for long.
+        proven: True if the pose was set, or has been tracked for a long time.
         lost: True if the robot is lost, see `Estimate`.
         requested: True if the next scan is weighed even if the robot has not moved.
-        p_wrong: probability that the pose is wrong, see `Estimate`; None before the first scan.
+        p_wrong: probability that the pose is wrong, see `Estimate`. None before the first scan.
     """
 
     tick: int
@@ -124,7 +124,7 @@ def saved(parameters: AmclParameters, estimate: Estimate) -> AmclParameters:
 
 
 class Amcl:
-    """A particle filter over (x, y, theta) that weighs scans against the map; see `Localizer`.
+    """A particle filter over (x, y, theta) that weighs scans by their agreement with the map. See `Localizer`.
 
     Before the first `start` it assumes the pose in its parameters, as amcl does: by default the map's origin.
 
@@ -162,7 +162,7 @@ class Amcl:
         self._clouds = CloudFilter(parameters, self._grid, self._mount)
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
-        """Restart around this pose at the next tick; the first scan after it is weighed immediately."""
+        """Restart around this pose at the next tick. The first scan after it is weighed immediately."""
         self.state = PosePrior(base_in_map, read_only(covariance.copy()))
 
     def globalize(self) -> None:
@@ -201,7 +201,7 @@ class Amcl:
         return isinstance(self.state, ParticleBelief)
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
-        """Process one tick. A scan is weighed if the robot has moved enough since the last weighed one."""
+        """Process one tick. A scan is weighed if the robot has moved enough since the last weighed scan."""
         belief = self.state
         if isinstance(belief, PosePrior):
             belief = self.state = self._scatter(belief, odometry)
@@ -245,7 +245,7 @@ class Amcl:
         return ParticleBelief(odometry.tick, odometry.base_in_odom, place)
 
     def _scatter_everywhere(self, odometry: Odometry) -> ParticleBelief:
-        """Draw the maximum number of particles over the whole map; their mean is the pose until a scan arrives."""
+        """Draw the maximum number of particles over the whole map. Their mean is the pose until a scan arrives."""
         n = self._parameters.max_particles
         particles = self._free_space.draw(n, self._noise.places, odometry.tick)
         mean = Pose2(*particles.mean(axis=0).tolist())
@@ -256,7 +256,7 @@ class Amcl:
     def _weigh(self, belief: ParticleBelief, odometry: Odometry, scan: Scan) -> ParticleBelief:
         """Update the filter by a scan: move, weigh, compare with the rival, and resample if due."""
         view = self._clouds.view(scan, odometry.tick)
-        # The first scan may come some ticks after the start. The motion until then is included.
+        # The first scan may arrive some ticks after the start. The motion until then is included.
         left, reached = belief.base_in_odom, odometry.base_in_odom
         if belief.anywhere and not belief.place.updates and len(view.points):
             place = self._clouds.looked_for(view, self._noise)

@@ -24,7 +24,7 @@ _CUT_SHORT = 0.1
 _TURNS = (-0.02, 0.0, 0.02)
 """Tolerated errors of the heading, radians.
 
-They change the range of a beam that grazes a wall; every such range counts.
+They change the range of a beam that grazes a wall. Each of these ranges counts as correct.
 """
 
 
@@ -76,12 +76,12 @@ def _agreement(
     squares: FreeSquares, frame: GridFrame, directions: FloatArray, range_max: float,
     laser_x: float, laser_y: float, x: float, y: float, theta: float, ranges: FloatArray,
 ) -> tuple[float, float]:  # fmt: skip
-    """Return share and cut_short of `MapAgreement`; NaN if no beam met anything. See `BeamModel.agreement`.
+    """Return share and cut_short of `MapAgreement`, or NaN if no beam met anything. See `BeamModel.agreement`.
 
     Args:
         squares: see `Raycaster`, also for `frame`.
         directions: see `Beams`, also for `range_max`.
-        laser_x: x of the laser in the base frame; y is `laser_y`.
+        laser_x: x of the laser in the base frame. y is `laser_y`.
         x: pose of the base in the map, with `y` and `theta`.
         ranges: (m,) readings, meters.
     """
@@ -132,7 +132,7 @@ class BeamModel:
         return cls(Raycaster.of(grid), beams, parameters)
 
     def expected(self, particles: FloatArray) -> FloatArray:
-        """Return the (n, m) expected ranges at (n, 3) base poses in the map, meters; inf beyond `range_max`."""
+        """Return the (n, m) expected ranges at (n, 3) base poses in the map, meters, or inf beyond `range_max`."""
         laser = self.beams.mount.laser_in_base
         c, s = elementary_arrays.cos(particles[:, 2]), elementary_arrays.sin(particles[:, 2])
         poses = particles.copy()
@@ -166,7 +166,7 @@ class BeamModel:
         )
 
     def agreement(self, base_in_map: Pose2, ranges: FloatArray) -> MapAgreement | None:
-        """Compare (m,) ranges with the map from one pose; None if no beam met anything.
+        """Compare (m,) ranges with the map from one pose. Return None if no beam met anything.
 
         A reading is explained if it ends where the map has a wall. A reading that was cut short has only a tenth of the
         weight of a reading that went through a wall, because other robots shorten readings but nothing lengthens them.

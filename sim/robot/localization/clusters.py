@@ -19,7 +19,7 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 BIN_SIDE = 0.5
-"""Sides of a bin, meters."""
+"""Length of a bin's sides, meters."""
 SECTORS = 36
 """Number of bins around the circle."""
 
@@ -33,7 +33,7 @@ class ParticleBins(NamedTuple):
     Attributes:
         of_particle: (n,) bin of each particle. Bins are numbered from 0 in the order of their first particles.
         corners: (k, 3) position of each bin on the lattice: along x, along y, around.
-        slots: hash table from packed lattice positions to bins; -1 in empty slots.
+        slots: hash table from packed lattice positions to bins, with -1 in empty slots.
     """
 
     of_particle: NDArray[np.int64]
@@ -107,7 +107,7 @@ def bin_particles(particles: FloatArray) -> ParticleBins:
 @njit(cache=True)
 def _cluster(corners: NDArray[np.int64], slots: NDArray[np.int64]) -> NDArray[np.int64]:
     count = corners.shape[0]
-    # Flood fill from bin to bin through the 26 neighbors on the lattice; sectors wrap around the circle.
+    # Flood fill from bin to bin through the 26 neighbors on the lattice. Sectors wrap around the circle.
     labels = np.full(count, _EMPTY, dtype=np.int64)
     waiting = np.empty(count, dtype=np.int64)
     clusters = 0
@@ -195,7 +195,7 @@ def summarise(particles: FloatArray, weights: FloatArray, bins: ParticleBins) ->
         weights: (n,) not all 0.
         bins: the bins of these particles.
 
-    Source: pf_cluster_stats. Differences: the covariance is about the reported pose (amcl: about the mean of all
+    Source: pf_cluster_stats. Differences: the covariance is about the reported pose (in amcl, about the mean of all
         clusters). It includes the correlations of heading and position, which are 0 in amcl.
     """
     x, y, theta, covariance, weight, variances = _summarise(particles, weights, bins.of_particle, cluster_bins(bins))

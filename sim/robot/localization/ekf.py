@@ -28,10 +28,10 @@ from sim.robot.localization.wrong_pose import GaussianEvidence, probability
 from sim.robot.localization.wrong_pose_coefficients import GAUSSIANS
 
 PREDICTION_INTERVAL = 5
-"""Ticks between predictions if no scan requires one. In between, odometry alone propagates the estimate."""
+"""Ticks between predictions that no scan requires. Between them, odometry alone propagates the estimate."""
 
 GATE = 16.27
-"""Maximum squared Mahalanobis distance of an accepted match: chi-square with 3 degrees of freedom, 0.999."""
+"""Maximum squared Mahalanobis distance of an accepted match: the 0.999 quantile of chi-square, 3 degrees of freedom."""
 
 _LEAST_INFORMATION = np.diag((1.0, 1.0, 4.0))
 """Information that keeps a match's covariance finite if a corridor does not determine a direction: 1 m, 0.5 rad."""
@@ -47,7 +47,7 @@ _MIN_NOISE_SCALE, _MAX_NOISE_SCALE = 0.2, 100.0
 wheels' errors in the ticks between two predictions are independent."""
 
 _MEMORY = 0.95
-"""Factor by which each new scan reduces the weight of older ones in the estimate of misplaced walls."""
+"""Factor by which each new scan reduces the weight of older scans in the estimate of misplaced walls."""
 
 _DOUBTING = 1.5
 """Factor of the covariance after a match that fits, but is too far away to be accepted: pose or match may be wrong."""
@@ -70,10 +70,10 @@ class TrackingState:
         base_in_odom: odometry pose at that time.
         shared: (3, 3) covariance of the error that all matches nearby have in common. It does not decrease with more
             matches. Read-only.
-        matched: odometry pose at the last accepted scan; None before the first.
+        matched: odometry pose at the last accepted scan. None before the first.
         motion_noise_scales: factors of the variances of distances and of turns, relative to the parameters.
         walls_off: weighted sums over scans of `ScanMatch.walls_off`. Older scans have less weight.
-        refused: number of rejected scans since the last accepted one.
+        refused: number of rejected scans since the last accepted scan.
         poor: number of consecutive scans that fit badly, accepted or not.
         unmatched: share of the points of the last scan that are not on walls.
         matches: number of accepted matches since the pose was set or found.
@@ -117,7 +117,7 @@ def _learnt(scales: tuple[float, float], innovation: FloatArray, expected: Float
     """Return updated factors of the variances of distances and turns after an innovation with a (3, 3) covariance."""
     drive = _surprise(innovation[:2], np.ascontiguousarray(expected[:2, :2])) / 2.0
     turn = innovation[2] * innovation[2] / expected[2, 2]
-    # The minimum limits the effect of one outlier; the exponential keeps factors positive.
+    # The minimum limits the effect of a single outlier. The exponential keeps factors positive.
     lessons = (elementary.exp(_LEARNING * (min(each, GATE / 3.0) - 1.0)) for each in (drive, turn))
     for_drive, for_turn = (
         min(max(scale * lesson, _MIN_NOISE_SCALE), _MAX_NOISE_SCALE)
@@ -130,14 +130,14 @@ class KalmanLocalizer:
     """A fast localizer that represents the pose by a single Gaussian and reports smooth estimates. See `Localizer`.
 
     If scans do not fit for some seconds, the robot is lost. The localizer then searches for the only pose where they
-    fit, first nearby, then on the whole map. It also searches if scans fit badly for long, because another pose may fit
-    better. The robot is found only when a scan from another place confirms the pose. On a map that looks the same from
-    two places, the robot stays lost, because a single Gaussian cannot represent two hypotheses, unlike particles.
+    fit, first nearby, then on the whole map. It also searches if scans fit badly for a long time, because another pose
+    may fit better. The robot is found only when a scan from another place confirms the pose. On a map that looks the
+    same from two places, the robot stays lost, because a single Gaussian cannot represent two hypotheses.
 
     Before the first `start`, it assumes that the robot is at the map's origin.
 
     Attributes:
-        looked: evidence after the last scan that was examined; None before the first.
+        looked: evidence after the last scan that was examined. None before the first.
     """
 
     def __init__(self, software: RobotParameters, grid: OccupancyGrid, mount: LaserMount) -> None:
@@ -168,7 +168,7 @@ class KalmanLocalizer:
         self._forgotten = True
 
     def widen(self, distance: float, turn: float) -> None:
-        """Increase the uncertainty; see `Localizer`."""
+        """Increase the uncertainty. See `Localizer`."""
         more = np.diag((distance * distance, distance * distance, turn * turn))
         self._filter.reset(self._filter.mean, self._filter.covariance + more)
 
@@ -269,9 +269,9 @@ class KalmanLocalizer:
     def _correct(self, state: TrackingState, scan: Scan) -> tuple[TrackingState, bool]:
         """Correct the estimate by the pose at which the scan matches the map. Also return whether it was accepted.
 
-        Innovations that are larger than expected increase `motion_noise_scales`, the factors of the motion's variances;
-        smaller innovations decrease them. A match that is too far away is rejected. But each such match that fits
-        increases the covariance, so that after several similar matches the next one is accepted.
+        Innovations that are larger than expected increase `motion_noise_scales`, the factors of the motion's variances.
+        Smaller innovations decrease them. A match that is too far away is rejected. But each such match that fits
+        increases the covariance, so that after several similar matches the next match is accepted.
 
         Source: Mehra, On the identification of variances and adaptive Kalman filtering (1970), for learning the
             motion's noise from innovations. Here the running mean is of its logarithm, so that the variance cannot
@@ -296,7 +296,7 @@ class KalmanLocalizer:
         surprise = _surprise(innovation, expected)
         state = replace(state, motion_noise_scales=_learnt(state.motion_noise_scales, innovation, expected))
         if surprise > GATE:
-            # Either the estimate or the match is wrong. After several such matches the gate accepts the next one.
+            # Either the estimate or the match is wrong. After several such matches the gate accepts the next match.
             self._filter.reset(self._filter.mean, _DOUBTING * self._filter.covariance)
             return replace(state, refused=state.refused + 1), False
         self._filter.update(match.base_in_map, noise)
@@ -313,7 +313,7 @@ class KalmanLocalizer:
         )
 
     def _search(self, state: TrackingState, scan: Scan) -> TrackingState:
-        """Restart at the pose where the scan fits, if there is only one. Stay lost until the next match agrees."""
+        """Restart at the only pose where the scan fits, if there is one. Stay lost until the next match agrees."""
         near = None if self._forgotten else self._filter.mean
         found = self._matcher.search(self._beams.end_points(scan), near)
         state = replace(state, poor=0)

@@ -24,15 +24,15 @@ class Estimate:
         tick: time of the estimate.
         base_in_map: pose of the robot: the last correction, propagated by odometry.
         odom_in_map: the correction itself, which tf publishes as map -> odom.
-        covariance: (3, 3) covariance of x, y, theta in the map frame; m^2, m rad, rad^2.
-        particles: (n, 3) poses in the map; (0, 3) if the localizer has none.
+        covariance: (3, 3) covariance of x, y, theta in the map frame: m^2, m rad, rad^2.
+        particles: (n, 3) poses in the map, or (0, 3) if the localizer has no particles.
         updated: True if a scan (or another correction) was used in this tick.
         lost: True if the localizer considers the pose unreliable.
         agreement: share of the last used scan that the map explains from this pose, 0 to 1. None before the first scan,
             or if the localizer does not compute it.
         p_wrong: probability that the pose is wrong (`wrong_pose`), 0 to 1, as of the last used scan. None before the
             first scan, or if the localizer does not compute it.
-        fault: failure of an installed localizer in this tick; empty without a failure. After a failure the robot is
+        fault: failure of an installed localizer in this tick. Empty without a failure. After a failure the robot is
             lost.
     """
 
@@ -54,7 +54,7 @@ class PosePrior:
 
     Attributes:
         base_in_map: the pose.
-        covariance: (3, 3) covariance of x, y, theta; m^2, m rad, rad^2.
+        covariance: (3, 3) covariance of x, y, theta: m^2, m rad, rad^2.
     """
 
     base_in_map: Pose2
@@ -100,7 +100,7 @@ class Localizer(Protocol):
     """Localization of one robot. It never sees the truth."""
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
-        """Restart around this pose (ROS: initialpose); `covariance` is (3, 3)."""
+        """Restart around this pose (ROS: initialpose). `covariance` is (3, 3)."""
 
     def globalize(self) -> None:
         """Forget the pose: the robot may be anywhere (ROS: global_localization)."""

@@ -44,7 +44,7 @@ ROUGH_BEAMS = 15
 Most candidates fit so badly that a few beams show it.
 """
 ROUGH_SHARE = 0.1
-"""Share of the candidates (the best in the first comparison) for which all beams are used: 10 x `FITTING_SHARE`."""
+"""Share of the candidates for which all beams are used: the best in the first comparison, 10 x `FITTING_SHARE`."""
 
 MOST_BESIDES = 2000
 """Maximum number of particles in a search away from a given pose.
@@ -57,10 +57,10 @@ CANDIDATES_BESIDES = 10_000
 FITTING_SHARE = 0.01
 """Share of the candidates that must stay effective when newcomers are drawn in proportion to a scan's likelihood."""
 NEWCOMER_JITTER = (0.05, 0.05, 0.05)
-"""Standard deviations of newcomers at one place; meters, meters, radians."""
+"""Standard deviations of newcomers at the same place: meters, meters, radians."""
 
 NEARBY = (0.5, 0.5, 0.25)
-"""Standard deviations of newcomers around a pose; meters, meters, radians."""
+"""Standard deviations of newcomers around a pose: meters, meters, radians."""
 NEARBY_SHARE = 0.2
 """Share of a generation that is drawn around its own pose when scans fit it badly."""
 
@@ -79,8 +79,8 @@ EFFECTIVE_SHARE = 0.1
 """Share of equally weighted particles that must stay effective after every scan, see `tempered`."""
 
 JITTER = (0.01, 0.01, 0.01)
-"""Standard deviations of copies of a particle; meters, meters, radians. While a robot turns in place, the odometry
-noise does not spread the positions of particles. Without these deviations, all particles would become copies of one.
+"""Standard deviations of copies of a particle: meters, meters, radians. While a robot turns in place, the odometry
+noise does not spread the positions of particles. Without these deviations, all would become copies of one particle.
 
 Source: Musso, Oudjane and Le Gland, Improving regularised particle filters (2001).
 """
@@ -103,10 +103,10 @@ class Hypothesis:
     """A cloud of particles that is tracked independently, and the agreement of scans and map at its pose.
 
     Attributes:
-        particles: (n, 3) poses in the map at the last update; read-only.
-        weights: (n,) weights of the particles, with a sum of 1; read-only.
+        particles: (n, 3) poses in the map at the last update. Read-only.
+        weights: (n,) weights of the particles, with a sum of 1. Read-only.
         mean: pose of the hypothesis at the last update.
-        covariance: (3, 3) covariance of this pose; read-only.
+        covariance: (3, 3) covariance of this pose. Read-only.
         updates: number of scans weighed since the hypothesis was created.
         agreement: share of the scans that the map explains.
         settled: number of scans with a narrow cloud. They count while nearly all particles agree on one pose that fits
@@ -198,7 +198,7 @@ class CloudFilter:
         )
         self._motion = MotionModel(parameters.odom_model_type, alphas)
         self._free_space = FreeSpace(grid)
-        # A wall may be anywhere in its cell. All particles share this error, so their spread does not include it.
+        # A wall may be anywhere in its cell. All particles have this error in common, so their spread does not show it.
         self._unknowable = np.diag((1.0, 1.0, 0.0)) * (grid.resolution * grid.resolution) / 12.0
 
     def view(self, scan: Scan, tick: int) -> ScanView:
@@ -208,7 +208,7 @@ class CloudFilter:
             ValueError: the number of beams differs from that of the filter's laser.
         """
         if len(scan.ranges) != self._beams.mount.beams:
-            raise ValueError(f"a scan of {len(scan.ranges)} beams from a laser of {self._beams.mount.beams}")
+            raise ValueError(f"a scan has {len(scan.ranges)} beams, but the laser has {self._beams.mount.beams}")
         return ScanView(tick, self._beams.end_points(scan), self._beams.ranges(scan))
 
     def looked_for(self, view: ScanView, noise: CloudNoise, besides: Pose2 | None = None) -> Hypothesis:
@@ -235,7 +235,7 @@ class CloudFilter:
             view: the scan.
             noise: random numbers of this cloud.
             searching: share of the next generation that is drawn from the whole map.
-            besides: pose; poses near it are excluded from the search.
+            besides: pose in the map. Poses near it are excluded from the search.
         """
         parameters = self._parameters
         draws = noise.motion.normals(view.tick, 3 * len(before.particles))
@@ -262,8 +262,8 @@ class CloudFilter:
     def _found_near(self, before: Hypothesis, now: Hypothesis, view: ScanView, noise: CloudNoise) -> Hypothesis | None:
         """Search for poses that fit the scan, half of them around the last pose and half around the pose by odometry.
 
-        The last scan was explained as well as usual, and this one is not. So the odometry between them may be wrong: it
-        was reset, or its error exceeds the spread of the particles. Return None if no pose explains the scan clearly
+        The last scan was explained as well as usual, but this scan is not. So the odometry between them may be wrong:
+        it was reset, or its error exceeds the spread of the particles. Return None if no pose explains the scan clearly
         better than now and as well as usual. In this case the scan itself may be misleading, or the robot was
         kidnapped.
 
@@ -293,7 +293,7 @@ class CloudFilter:
         elif found is not None:
             agreement = agreement.after(found.share, parameters.recovery_alpha_slow, parameters.recovery_alpha_fast)
         pull = PULL * parameters.laser_sigma_hit * (found.cut_short if found is not None else 0.0)
-        # A wide cloud is no reason to doubt the pose. So its scan is not counted, but the count is not reset either.
+        # A wide cloud is no reason to doubt the pose. So the scan is not counted, but the count is not reset either.
         agreed = summary.weight >= SURE_SHARE and agreement.explained
         settled = (before.settled if before else 0) + self._narrow(summary) if agreed else 0
         return Hypothesis(

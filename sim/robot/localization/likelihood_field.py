@@ -71,7 +71,7 @@ def facing_levels(
 
 
 def _shifted(mask: NDArray[np.bool_], rows: int, cols: int) -> NDArray[np.bool_]:
-    """Shift a mask by rows and columns; new cells at the edge are False."""
+    """Shift a mask by rows and columns. New cells at the edge are False."""
     padded = np.pad(mask, 1)
     moved: NDArray[np.bool_] = padded[1 - rows : padded.shape[0] - 1 - rows, 1 - cols : padded.shape[1] - 1 - cols]
     return moved
@@ -105,9 +105,9 @@ def _sum_over_points(
 ) -> FloatArray:
     """Return (n,) sums of the field's values at (m, 2) points, as seen from each of (n, 3) poses.
 
-    This loop takes most of the filter's time. So it is one function that computes in cells. It has no branch for the
-    quadrant, because processors could not predict it, and no index that might be negative. This makes it four times as
-    fast.
+    This loop takes most of the filter's time. So it is a single function that computes in cells. It has no branch for
+    the quadrant, because processors could not predict it, and no index that might be negative. This makes it four times
+    as fast.
     """
     _, rows, cols = level.shape
     levels = level.reshape(-1)
@@ -162,7 +162,7 @@ class Beams:
 
     Attributes:
         mount: the laser.
-        indices: (m,) indices of the beams, evenly spread over the scan, including both outermost ones.
+        indices: (m,) indices of the beams, evenly spread over the scan, including both outermost beams.
         directions: (m, 2) unit vectors in the base frame.
         range_min: readings up to this range are ignored, meters.
         range_max: readings from this range on are ignored, meters.
@@ -189,7 +189,7 @@ class Beams:
         return cls(mount, indices, directions, range_min, range_max)
 
     def end_points(self, scan: Scan) -> FloatArray:
-        """Return (m, 2) end points of valid readings in the base frame; meters.
+        """Return (m, 2) end points of valid readings in the base frame, meters.
 
         Readings that are NaN, infinite, too short (up to `range_min`) or too long (from `range_max`) are ignored.
         """
@@ -217,7 +217,7 @@ class LikelihoodField:
     """Log probability that a beam ends in each cell of the map.
 
     Attributes:
-        values: (n,) log of `z_hit * exp(-d^2 / (2 sigma_hit^2)) + z_rand / range_max`; d is the distance to the nearest
+        values: (n,) log of `z_hit * exp(-d^2 / (2 sigma_hit^2)) + z_rand / range_max`. d is the distance to the nearest
             surface that faces the beam, capped at `max_dist`.
         frame: frame of the table in the map.
         outside: value for points outside the map.
@@ -263,7 +263,7 @@ class LikelihoodField:
             points: (m, 2) end points of the beams in the base frame, see `Beams.end_points`.
 
         Returns:
-            (n,) sums over the beams; 0 without points.
+            (n,) sums over the beams, or 0 without points.
 
         Source: Probabilistic Robotics, table 6.3. Difference: ROS 1 amcl adds cubes, `1 + sum(p^3)`.
         """

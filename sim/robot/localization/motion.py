@@ -25,7 +25,7 @@ amcl's models diff and omni use the sums of alphas as standard deviations: 8 mm 
 
 
 _MOST_OF_ONE_SCAN = 6.0
-"""Maximum ratio of squared errors that is learned from one scan, see `MotionModel.learned`."""
+"""Maximum ratio of squared errors that is learned from a single scan, see `MotionModel.learned`."""
 MAX_NOISE_SCALE = 10.0
 """Maximum factor of the odometry noise."""
 
@@ -91,7 +91,7 @@ class OmniSpread(NamedTuple):
 def diff_increment(before: Pose2, after: Pose2) -> DiffIncrement:
     """Return the motion between two odometry poses, both in the odom frame.
 
-    Source: Probabilistic Robotics, table 5.6, lines 2 to 4; amcl_odom.cpp for the first turn of a robot that hardly
+    Source: Probabilistic Robotics, table 5.6, lines 2 to 4. amcl_odom.cpp for the first turn of a robot that hardly
         moved.
     """
     dx, dy = after.x - before.x, after.y - before.y
@@ -109,7 +109,7 @@ def _turning(angle: float) -> float:
 
 
 def diff_spread(moved: DiffIncrement, alphas: Alphas, corrected: bool) -> DiffSpread:
-    """Return the standard deviations of the true motion from the measured one.
+    """Return the standard deviations of the true motion from the measured motion.
 
     Args:
         moved: the measured motion.
@@ -167,7 +167,7 @@ def omni_increment(before: Pose2, after: Pose2) -> OmniIncrement:
 
 
 def omni_spread(moved: OmniIncrement, alphas: Alphas, corrected: bool) -> OmniSpread:
-    """Return the standard deviations of the true sliding motion from the measured one.
+    """Return the standard deviations of the true sliding motion from the measured motion.
 
     Args:
         moved: the measured motion.
@@ -233,9 +233,9 @@ class MotionModel:
     def move(
         self, particles: FloatArray, before: Pose2, after: Pose2, noise: FloatArray, scales: NoiseScales = AS_BELIEVED
     ) -> FloatArray:
-        """Return (n, 3) particles after a motion from one odometry pose to another; `noise` are (3 n,) normals.
+        """Return (n, 3) particles after a motion from one odometry pose to another. `noise` are (3 n,) normals.
 
-        Difference: the assumed error of distances and turns is at least a tenth, see `_SYSTEMATIC`.
+        Difference: the assumed error of distances and turns is at least a tenth of them, see `_SYSTEMATIC`.
         """
         corrected = self.name.endswith("-corrected")
         # Alphas of 0 mean perfect wheels, without a systematic error.
@@ -277,7 +277,7 @@ class MotionModel:
             after: (n,) weights after the scan.
 
         Source: Dempster, Laird and Rubin, Maximum likelihood from incomplete data via the EM algorithm (1977), for the
-            expected square of a hidden error; here the running mean is of its logarithm, as in `ekf`.
+            expected square of a hidden error. Here the running mean is of its logarithm, as in `ekf`.
         """
         first, second, third = np.minimum(_square_ratios(noise, before, after), _MOST_OF_ONE_SCAN).tolist()
         # A differential drive has errors of turn, distance and turn. An omnidirectional drive has errors along, across

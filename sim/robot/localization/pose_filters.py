@@ -80,7 +80,7 @@ class PoseFilter:
 
     @property
     def covariance(self) -> FloatArray:
-        """(3, 3) covariance, exactly symmetric; read-only."""
+        """(3, 3) covariance, exactly symmetric. Read-only."""
         covariance: FloatArray = self._filter.P
         return covariance
 
@@ -134,7 +134,7 @@ class UnscentedPoseFilter(PoseFilter):
     """
 
     def __init__(self, parameters: UkfParameters) -> None:
-        # filterpy squares alpha with libm's pow, which is only certain to be exact for 1. So pass 1, and other values
+        # filterpy squares alpha with libm's pow, which is certain to be exact only for 1. So pass 1, and other values
         # that give the same points and weights.
         squared = parameters.alpha * parameters.alpha
         self._points = MerweScaledSigmaPoints(
@@ -178,7 +178,7 @@ def _moved(pose: FloatArray, _: float, step: Pose2) -> FloatArray:
 
 
 def _mean(poses: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return the (3,) weighted mean of (n, 3) poses, computed from their differences to the first one."""
+    """Return the (3,) weighted mean of (n, 3) poses, computed from their differences to the first pose."""
     first = poses[0]
     differences = np.array([residual(pose, first) for pose in poses])
     mean: FloatArray = first + np.array([math.fsum(each) for each in (weights * differences.T).tolist()])

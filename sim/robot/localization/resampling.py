@@ -43,7 +43,7 @@ def tempered(logs: FloatArray, share: float) -> FloatArray:
         share: minimum effective number, as a share of n.
 
     Returns:
-        (n,) likelihoods with a maximum of 1. The power is the greatest one up to 1 that keeps the share effective.
+        (n,) likelihoods with a maximum of 1. The power is the greatest up to 1 that keeps the share effective.
 
     Source: Probabilistic Robotics, section 6.3.4, on exponents below 1; Liu (1996) for the effective number.
         Difference: the exponent is not fixed, but as low as the cloud requires.
@@ -80,11 +80,11 @@ def sample_limit(bins: int, error: float, quantile: float, least: int, most: int
         error: maximum distance, epsilon.
         quantile: upper 1 - delta quantile of the standard normal, z.
         least: lower bound of the result.
-        most: upper bound of the result; also the result if `error` is 0.
+        most: upper bound of the result, and the result if `error` is 0.
 
     Source: Fox, Adapting the sample size in particle filters through KLD-sampling (2003), with the Wilson-Hilferty
-        approximation of the chi-square quantile; bounds from pf.c. Difference: a single bin needs `least` particles;
-        amcl uses `most`, although the narrowest cloud needs the fewest.
+        approximation of the chi-square quantile. Bounds from pf.c. Difference: a single bin needs `least` particles.
+        amcl uses `most`, although the narrowest cloud needs the fewest particles.
     """
     if bins <= 1:
         return least
@@ -151,13 +151,13 @@ def adaptive(
         offset: uniform in [0, 1).
         error: see `sample_limit`.
         quantile: see `sample_limit`.
-        least: smallest draw.
-        most: largest draw.
+        least: minimum size of the draw.
+        most: maximum size of the draw.
 
     Returns:
         (m,) indices, ascending, least <= m <= most.
 
-    Difference: amcl draws particles one by one until there are enough. So it cannot use a draw with low variance.
+    Difference: amcl draws particles one by one until there are enough, so it cannot use a draw with low variance.
     """
     count = least
     while True:

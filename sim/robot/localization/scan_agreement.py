@@ -14,7 +14,7 @@ FOUND_RATIO = 0.93
 """Minimum ratio to the usual agreement at a pose for a lost robot to be found there."""
 
 MOST_OF_ONE_SCAN = 0.25
-"""Maximum effect of one scan against the pose, because the scan itself may be misleading."""
+"""Maximum effect of a single scan against the pose, because the scan itself may be misleading."""
 MISFIT_OF_A_LOST_ROBOT = 1.0
 """Limit of a sum above which the pose cannot be right. Each scan adds the difference between the minimum agreement and
 its own agreement. Four scans that do not fit at all reach the limit, or ten scans with three fifths explained by the
@@ -24,7 +24,7 @@ Source: Page, Continuous inspection schemes (1954).
 """
 
 DRIFT_AGREEMENT = 0.4
-"""Minimum share of a scan that the map explains from a pose some decimeters off the right one."""
+"""Minimum share of a scan that the map explains from a pose some decimeters off the right pose."""
 
 _MEMORY = 0.5
 """Decay rate of the average over the last few scans."""
@@ -51,7 +51,7 @@ class ScanAgreement:
     last: float = 1.0
 
     def after(self, agreement: float, alpha_slow: float, alpha_fast: float) -> "ScanAgreement":
-        """Return the averages with one more scan.
+        """Return the averages after another scan.
 
         The averages start as plain means over the number of scans that the fast average covers. Otherwise the first
         scan, which is compared at an uncertain pose, would affect the slow average for a thousand scans.
@@ -79,7 +79,7 @@ class ScanAgreement:
         return ScanAgreement(slow, fast, recent, self.count + 1, misfit, agreement)
 
     def searching(self, agreement: float) -> "ScanAgreement":
-        """Return the averages with one more scan during a search. The usual agreement is not known yet."""
+        """Return the averages after another scan during a search. The usual agreement is not known yet."""
         recent = self.recent + _MEMORY * (agreement - self.recent)
         return replace(self, recent=recent, fast=recent, last=agreement)
 
@@ -90,7 +90,7 @@ class ScanAgreement:
 
     @property
     def suspicious(self) -> bool:
-        """True if there is a reason to search elsewhere: several bad scans, or a worse agreement than usual."""
+        """True if there is a reason to search elsewhere: several bad scans, or an agreement worse than usual."""
         return self.recent < MIN_AGREEMENT or self.misfit > MOST_OF_ONE_SCAN or self.fast < DOUBT_RATIO * self.slow
 
     @property

@@ -1,7 +1,4 @@
-"""Scan matching: find the pose near a guess at which a scan fits the map best.
-
-It is a measurement for the Kalman filter.
-"""
+"""Scan matching: find the pose near a guess at which a scan fits the map best. The Kalman filter uses this pose."""
 
 import math
 from dataclasses import dataclass, replace
@@ -26,17 +23,17 @@ _FINEST, _COARSEST = 0.15, 0.6
 _SEARCHED = 0.3
 """The same distance for comparing poses on the whole map, meters. It is larger because these poses are not exact."""
 SPACING, _HEADINGS = 0.4, 16
-"""Distance between the first positions of a search, meters; number of headings at each position."""
+"""Distance between the first positions of a search, meters, and number of headings at each position."""
 _REFINED = 40
 """Number of the best poses that are refined."""
 _FEWEST = 20
-"""Minimum number of points for a search; approximate number of points for comparing poses."""
+"""Minimum number of points for a search, and approximate number of points for comparing poses."""
 GOOD, _MARGIN = 0.8, 0.1
-"""Share of the points that must be on walls at a found pose; minimum lead of this share over that at other poses."""
+"""Share of the points that must be on walls at a found pose, and minimum lead of this share over other poses."""
 NEAR = 1.5
 """Distance from the last pose within which a lost robot is searched first, meters."""
 _STEPS = 4
-"""Gauss-Newton steps at each width, from coarse to fine."""
+"""Number of Gauss-Newton steps at each width, from coarse to fine."""
 _DAMPING = 1e-3
 """Part of the mean information that is added to its diagonal.
 
@@ -49,7 +46,7 @@ class ScanMatch(NamedTuple):
 
     Attributes:
         base_in_map: the pose.
-        information: (3, 3) inverse covariance of the pose if the map is right; singular along directions that the scan
+        information: (3, 3) inverse covariance of the pose if the map is right. Singular along directions that the scan
             does not determine.
         by_walls: (3, 3) covariance of the pose if the positions of the map's walls had a standard deviation of one
             meter.
@@ -101,7 +98,7 @@ def _normal_equations(
         slopes[1] = (frame.sin * by_col + frame.cos * by_row) / frame.resolution
         # Derivative by the heading: if the robot turns, a point moves perpendicular to its lever (px, py).
         slopes[2] = slopes[1] * px - slopes[0] * py
-        # Geman and McClure's weight. A point far from every wall is on another robot or an unmapped thing, so it must
+        # Geman and McClure's weight: a point far from every wall is on another robot or an unmapped thing, so it must
         # not pull the pose.
         weight = 1.0 / (1.0 + (distance / width) ** 2) ** 2
         weights += weight
@@ -155,7 +152,7 @@ class ScanMatcher:
     """Matcher of scans to a map.
 
     Attributes:
-        field: (rows, cols) meters to the nearest surface, negative inside walls; see `signed_distance`.
+        field: (rows, cols) meters to the nearest surface, negative inside walls. See `signed_distance`.
         frame: frame of the field in the map.
         squares: the map's strides for beams.
         laser: x and y of the laser in the base frame, meters.
@@ -183,8 +180,8 @@ class ScanMatcher:
         """Return the only pose with the points on the map's walls. If `near` is given, search around it first.
 
         Returns:
-            The match; None if no pose fits, or if another one fits nearly as well: places that look the same cannot be
-            distinguished.
+            The match. None if no pose fits, or if another pose fits nearly as well, because places that look the same
+            cannot be distinguished.
         """
         if near is not None:
             there = elementary_arrays.hypot(self.free[:, 0] - near.x, self.free[:, 1] - near.y) < NEAR
@@ -208,7 +205,7 @@ class ScanMatcher:
         return self.match(here, points, _FINEST) if best >= GOOD else None
 
     def _drawn(self, guess: Pose2, points: FloatArray, width: float) -> tuple[Pose2, float]:
-        """Return the pose near a guess with most points on the map's walls, and the share of these points."""
+        """Return the pose near a guess with the most points on the map's walls, and the share of these points."""
         x, y, theta, share = _match(self.field, self.frame, guess.x, guess.y, guess.theta, points, width)
         return Pose2(x, y, theta), share
 

@@ -32,7 +32,7 @@ _MOST_LEVERAGE = 0.9
 _NEAR_A_SURFACE = 0.25
 """Weight above which a point counts as being on a surface of the map."""
 _SAME_WALL = (0.95, 0.1)
-"""Limits for neighboring points of one wall: minimum cosine between normals; maximum distance of planes, meters."""
+"""Limits for neighboring points of one wall: minimum cosine between normals, maximum distance of planes, meters."""
 
 
 @njit(cache=True)
@@ -117,7 +117,7 @@ def refined(
         damping: part of the information's mean that is added to its diagonal.
 
     Returns:
-        x, y, theta; their (3, 3) information, which is the inverse of their covariance if the map is right; and the
+        x, y and theta. Their (3, 3) information, which is the inverse of their covariance if the map is right. The
         results of `_walls`, which show the errors of the map.
 
     Source: Huber, The behavior of maximum likelihood estimates under nonstandard conditions (1967), for a covariance
@@ -146,7 +146,7 @@ def refined(
 
 @njit(cache=True)
 def _information(slopes: FloatArray, distances: FloatArray, width: float) -> FloatArray:
-    """Return the (3, 3) information of a pose; see `refined`."""
+    """Return the (3, 3) information of a pose. See `refined`."""
     m = distances.shape[0]
     hessian, scatter = np.zeros((3, 3)), np.zeros((3, 3))
     curvatures = np.empty(m)
@@ -197,8 +197,8 @@ def _walls(
     distances show them: the mean distance of each wall's points, beyond what their own noise explains.
 
     Returns:
-        (3, 3) covariance of the pose if the walls' positions had a standard deviation of one meter; the sum of squared
-        errors of the walls, in m^2; and its expectation for this standard deviation. The ratio of the last two, over
+        (3, 3) covariance of the pose if the walls' positions had a standard deviation of one meter. The sum of squared
+        errors of the walls, in m^2. Its expectation for this standard deviation. The ratio of the last two, over
         many scans, is the variance of the walls' positions.
 
     Source: Henderson, Estimation of variance and covariance components (1953), method 3, for the variance of a random

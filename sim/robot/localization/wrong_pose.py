@@ -25,13 +25,13 @@ _MANY_UPDATES = 100
 _SETTLED = 5
 """Number of settled scans above which more scans make no difference."""
 _USUAL_DEVIATIONS = (0.1, 0.05)
-"""Usual standard deviations of a pose; meters and radians."""
+"""Usual standard deviations of a pose, meters and radians."""
 _WIDEST = 4.0
-"""Maximum logarithm of the ratio of a deviation to the usual one."""
+"""Maximum logarithm of the ratio of a deviation to the usual deviation."""
 
 
 class ParticleEvidence(NamedTuple):
-    """Features of a particle filter that distinguish right poses from wrong ones, or the features' coefficients.
+    """Features of a particle filter that distinguish right from wrong poses, or the features' coefficients.
 
     Attributes:
         always: 1.
@@ -42,14 +42,14 @@ class ParticleEvidence(NamedTuple):
         updates: logarithm of the number of updates of any pose.
         unexplained: share of the last scan that the map does not explain.
         lately_unexplained: share that the map explains from most right poses, minus the share of the last scans that it
-            explains; at least 0.
-        below_usual: share by which the short-term average of the agreement is below the long-term one.
+            explains, but at least 0.
+        below_usual: share by which the short-term average of the agreement is below the long-term average.
         misfit: see `ScanAgreement`.
         lead: see `ParticleBelief`.
         rival: 1 while there is a rival.
         unsettled: 1 if no scan was settled, falling to 0 as more scans in a row are settled.
         outside: share of the weight outside the heaviest cluster.
-        deviation: logarithm of the ratio of the position's standard deviation to the usual one.
+        deviation: logarithm of the ratio of the position's standard deviation to the usual deviation.
         turn_deviation: the same for the heading.
     """
 
@@ -74,7 +74,7 @@ class ParticleEvidence(NamedTuple):
     def of(
         cls, place: Hypothesis, lead: float, *, lost: bool, anywhere: bool, proven: bool, rival: bool
     ) -> "ParticleEvidence":
-        """Collect the evidence after an update; see `ParticleBelief` for the arguments."""
+        """Collect the evidence after an update. See `ParticleBelief` for the arguments."""
         agreement, covariance = place.agreement, place.covariance
         updates = elementary.log(1.0 + min(place.updates, _MANY_UPDATES))
         return cls(
@@ -98,13 +98,13 @@ class ParticleEvidence(NamedTuple):
 
 
 class GaussianEvidence(NamedTuple):
-    """Features of a Kalman filter that distinguish right poses from wrong ones, or the features' coefficients.
+    """Features of a Kalman filter that distinguish right from wrong poses, or the features' coefficients.
 
     Attributes:
         always: 1.
         forgotten: 1 while the filter has no pose.
         lost: 1 if the filter reports that the robot is lost.
-        refused: rejected scans since the last accepted one, as a share of the number that makes the robot lost.
+        refused: rejected scans since the last accepted scan, as a share of the number that makes the robot lost.
         poor: consecutive scans that fit badly, as a share of the number in `refused`.
         unmatched: share of the points of the last scan that are not on walls.
         matches: logarithm of the number of matches since the pose was set or found, from 0.
@@ -139,7 +139,7 @@ class GaussianEvidence(NamedTuple):
         unmatched: float,
         matches: int,
     ) -> "GaussianEvidence":
-        """Collect the evidence after a scan; `covariance` is the (3, 3) covariance of the pose."""
+        """Collect the evidence after a scan. `covariance` is the (3, 3) covariance of the pose."""
         return cls(
             always=1.0,
             forgotten=float(forgotten),
@@ -156,7 +156,7 @@ class GaussianEvidence(NamedTuple):
 
 
 def log_deviation(variance: float, usual: float) -> float:
-    """Return the logarithm of the ratio of a standard deviation to the usual one, bounded on both sides."""
+    """Return the logarithm of the ratio of a standard deviation to the usual deviation, bounded on both sides."""
     if variance <= 0.0:
         return -_WIDEST
     return max(-_WIDEST, min(0.5 * elementary.log(variance / (usual * usual)), _WIDEST))

@@ -1,4 +1,4 @@
-"""State "clearing" of move_base: recovery behaviors, run one after the other, and their commands."""
+"""State "clearing" of move_base: recovery behaviors, run one after another, and their commands."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -81,7 +81,7 @@ class ClearingCycle:
             self._behave(state, state.behavior, tick, pose, twist, bodies)
 
     def _turn(self, state: Clearing, pose: Pose2, twist: Twist, bodies: Sequence[Neighbour]) -> None:
-        """Choose a command for one full turn in place, as far as the turn is safe."""
+        """Choose a command for a full turn in place, as far as the turn is safe."""
         drive = self._controller.rotate_recovery(pose, twist, bodies)
         left = state.turn_left - abs(drive.command.angular) * self._controller.control_ticks * TICK
         if left > 0.0 and not drive.stuck:

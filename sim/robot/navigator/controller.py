@@ -41,7 +41,7 @@ class Controller:
     Args:
         parameters: parameters of this robot's software.
         static: the map.
-        costmaps: costmaps of the robot. The navigator itself updates the global one for obstacles seen by the laser.
+        costmaps: costmaps of the robot. The navigator itself marks obstacles seen by the laser in the global costmap.
         robot: index of the robot in the team.
 
     Attributes:
@@ -88,7 +88,7 @@ class Controller:
         return (tick - self._robot) % self.control_ticks == 0
 
     def next_command(self, tick: int) -> int:
-        """Return the first tick after this one in which a command is due."""
+        """Return the first tick after this tick in which a command is due."""
         return next_turn(tick, self._robot, self.control_ticks)
 
     def update_due(self, tick: int) -> bool:
@@ -115,7 +115,7 @@ class Controller:
         self.costmap.update(pose.x, pose.y)
 
     def surroundings(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Surroundings:
-        """Return walls, obstacles seen by the laser, and neighbors that the robot may hit."""
+        """Return the walls, obstacles seen by the laser, and neighbors that the robot may hit."""
         clearance, frame = self._clearance, self._frame
         seen = self._whole.obstacles
         if seen.any_marks:

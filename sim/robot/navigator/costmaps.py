@@ -16,11 +16,11 @@ from sim.robot.navigator.stale_neighbours import StaleNeighbours
 
 
 class CostmapPublisher:
-    """Publisher of one costmap of one robot. It does not change the costmap.
+    """Publisher of a costmap of a robot. It does not change the costmap.
 
     Args:
         costmap: the costmap.
-        publish_frequency: Hz; 0: never.
+        publish_frequency: frequency, Hz. If 0, the costmap is never published.
         turned: map of the robot, in the grid's frame.
         robot: index of the robot in the team. Robots take turns in publishing.
         at_once: True to publish the costmap also at the first opportunity, even with a low frequency.

@@ -37,7 +37,7 @@ HALT_DISTANCE = 0.12
 TURN_BACK_DISTANCE = 0.06
 """Distance by which a path must come nearer again to count as turning back, meters."""
 YIELD_TIME = 0.5
-"""Minimum time before a point that it must not pass at which a robot slows down, seconds."""
+"""Minimum time before it reaches a point that it must not pass at which a robot slows down, seconds."""
 STUCK_TIMEOUT = 2.0
 """Seconds without progress, for other reasons than the right of way, after which a robot plans again."""
 QUEUE_TIMEOUT = 20.0
@@ -94,8 +94,8 @@ class FollowerOutput:
         local_plan: (k, 3) map poses along its trajectory.
         arrived: True if the robot stands at the end of the itinerary.
         waiting: True while the robot waits for its right of way.
-        waits_for: other robot for which this one waits, because of that robot's itinerary or body.
-        blocked_by_others: True while other robots keep this one from driving farther.
+        waits_for: other robot for which this robot waits, because of that robot's itinerary or body.
+        blocked_by_others: True while other robots keep this robot from driving farther.
         valid: True for a command with progress, or if there is a good reason to wait.
     """
 
@@ -312,7 +312,7 @@ class Follower:
 
 @njit(cache=True)
 def _as_far_as(left: FloatArray, index: int, reach: float) -> int:
-    """Return the last point within `reach` meters along the path from point `index`; `left` has remaining lengths."""
+    """Return the last point within `reach` meters of the path after point `index`. `left` has the remaining lengths."""
     last = index
     while last + 1 < left.shape[0] and left[index] - left[last + 1] <= reach:
         last += 1
@@ -321,14 +321,14 @@ def _as_far_as(left: FloatArray, index: int, reach: float) -> int:
 
 @njit(cache=True)
 def _drivable(points: FloatArray, costs: Costs, frame: CostFrame, x: float, y: float) -> tuple[int, bool, bool]:
-    """Count those of (m, 2) points that the local planner may get at once for a robot at (x, y).
+    """Count the (m, 2) points that the local planner may get at once for a robot at (x, y).
 
     If the path turns back, for example at a waiting place, the points end at the turn, because the local planner drives
     toward the last point. They also end before the first point that is at least HALT_DISTANCE away, and is within an
     obstacle's inscribed radius or outside the costmap.
 
     Returns:
-        Number of the points; True if an obstacle ends them; True if a turn ends them.
+        Number of the points, True if an obstacle ends them, and True if a turn ends them.
     """
     farthest = 0.0
     end, turns = points.shape[0], False

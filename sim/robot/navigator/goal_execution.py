@@ -42,7 +42,7 @@ class GoalExecution:
         progress: clocks of the goal.
         recovery: remaining recovery behaviors.
         oscillation: detector of oscillations.
-        fault: failure of an installed planner or recovery behavior that is not reported yet; empty without one.
+        fault: failure of an installed planner or recovery behavior that is not reported yet. Empty without a failure.
     """
 
     def __init__(self, move_base: MoveBaseParameters, circumscribed: float, planner: ItineraryPlanner) -> None:
@@ -65,7 +65,7 @@ class GoalExecution:
 
     def restart(self, tick: int) -> None:
         """Start all clocks, for a new goal or for a robot that is revived."""
-        # In its first tick, a robot has received no broadcasts yet. So it would plan out of turn.
+        # In its first tick, a robot has not received any broadcasts. So it would plan out of turn.
         self.next_plan = tick + 1
         self.progress = GoalProgress(tick)
         self.recovery.restart()
@@ -131,11 +131,11 @@ class GoalExecution:
 
     @property
     def going_on(self) -> State:
-        """The present state; during a recovery behavior, the state that follows it."""
+        """The present state, or the following state during a recovery behavior."""
         return self.state.then if isinstance(self.state, Clearing) else self.state
 
     def makes_way_for(self, tick: int) -> int | None:
-        """Return the robot with the right of way for which this one makes way in this tick."""
+        """Return the robot with the right of way for which this robot makes way in this tick."""
         match self.going_on:
             case Controlling(output=FollowerOutput(waiting=True, waits_for=first)):
                 return first

@@ -18,7 +18,7 @@ class Goal:
     """A pose to drive to.
 
     Attributes:
-        id: number chosen by the owner; the result contains it.
+        id: number chosen by the owner. The result contains it.
         base_in_map: wanted pose of the base.
         owner: client that set the goal. Goals of two owners differ even if their numbers are equal.
     """
@@ -40,7 +40,7 @@ class NoPath:
     """Result of a goal that was given up.
 
     Attributes:
-        reason: code of the cause for programs; it never changes.
+        reason: code of the cause for programs. Codes never change.
         sentence: the cause for people.
     """
 

@@ -1,4 +1,4 @@
-"""Making way: a robot waits for another one with the right of way, drives aside for it, or drives around it."""
+"""Making way: a robot waits for another robot with the right of way, drives aside for it, or drives around it."""
 
 from sim.common.observations import TICKS_PER_SECOND
 
@@ -10,7 +10,7 @@ Shorter pauses are ignored, because robots in a queue advance in small steps.
 
 
 class MakingWay:
-    """Memory of the robot for which another one makes way. Short pauses are ignored."""
+    """Memory of the robot for which another robot makes way. Short pauses are ignored."""
 
     def __init__(self) -> None:
         self._robot: int | None = None
@@ -28,11 +28,11 @@ class MakingWay:
             self._tick = tick
 
     def now(self, tick: int, robot: int | None, *, has_goal: bool) -> int | None:
-        """Return the robot for which this one makes way.
+        """Return the robot for which this robot makes way.
 
         Args:
             tick: the present tick.
-            robot: the robot for which this one makes way in this tick, or None.
+            robot: the robot for which this robot makes way in this tick, or None.
             has_goal: True if this robot has a goal. It may have to make way again immediately.
         """
         self._reason = robot

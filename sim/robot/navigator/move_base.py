@@ -162,7 +162,7 @@ class Navigator:
         place = turned.pose_in_grid(base_in_map)
         costs, frame = self._costmaps.global_costmap.as_updated(place.x, place.y, self._stale.known(self._tick))
         adds = self._parameters.move_base.make_plan_add_unreachable_goal
-        # Use another workspace, because a search may be running in the usual one.
+        # Use another workspace, because a search may be running in the usual workspace.
         start, goal = turned.pose_in_grid(start), turned.pose_in_grid(goal)
         try:
             poses = make_plan(self._planner(self._parameters), costs, frame, start, goal, tolerance, adds)
@@ -258,7 +258,7 @@ class Navigator:
         self._making_way.go_on(tick)
 
     def rejoin(self, neighbours: Sequence[Neighbour]) -> None:
-        """Process the broadcasts of the last tick, which had no step. Some may be the last ones of their robots."""
+        """Process the broadcasts of the last tick, which had no step. Some may be the last of their robots."""
         self._stale.update(self._tick, self._rotated.neighbours_in_grid(neighbours))
 
     @property

@@ -20,7 +20,7 @@ class Navigation:
         goal: the present goal.
         state: state of move_base: "planning" waits for a plan, "controlling" follows it, "clearing" runs a recovery
             behavior.
-        plan: (m, 3) map poses of the remaining path, starting with the robot's pose; empty without a goal. The robot
+        plan: (m, 3) map poses of the remaining path, starting with the robot's pose. Empty without a goal. The robot
             broadcasts it.
         times: (m,) times of these poses, also broadcast. They are empty if other robots block the plan and are asked to
             clear it.
@@ -30,9 +30,9 @@ class Navigation:
         claim: priority of the robot that wants the plan, if others are asked to clear it.
         global_costmap: costs for plans, in ticks when they are published.
         local_costmap: costs for commands, in ticks when they are published.
-        waits_for: other robot that goes first, if this one stands because of it.
-        makes_way_for: other robot with the right of way, while this one waits for it, drives aside or drives around it.
-        fault: failure of an installed planner or recovery behavior in this tick; empty without one.
+        waits_for: other robot that goes first, if this robot stands because of it.
+        makes_way_for: other robot with the right of way, while this robot waits for it, drives aside or around it.
+        fault: failure of an installed planner or recovery behavior in this tick. Empty without a failure.
     """
 
     command: Twist

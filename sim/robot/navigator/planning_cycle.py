@@ -61,7 +61,7 @@ class PlanningCycle:
         self._clearing = clearing
         self._rotated = rotated
         self._robot = robot
-        # True if the robot keeps its present itinerary when the present search finds no other one.
+        # True if the robot keeps its present itinerary when the present search finds no other itinerary.
         self._keeps = False
 
     def run(self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
@@ -134,7 +134,7 @@ class PlanningCycle:
                 self._refuse(tick, pose, goal, planned)
 
     def _defers_to(self, target: Pose2, neighbours: Sequence[Neighbour]) -> int | None:
-        """Return a robot that should go first: its goal is older, and its wanted path leads over this robot's goal."""
+        """Return a robot that should go first, because its goal is older and its wanted path leads over this goal."""
         own = Claim(self._execution.progress.began, self._robot)
         older = (other for other in neighbours if other.claim is not None and other.claim < own)
         place = target.array()[:2]
@@ -163,7 +163,7 @@ class PlanningCycle:
             self._clearing.recover(tick, pose, lambda goal: NoPath(goal, refused.code, refused.sentence))
 
     def _asked_to_clear(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Neighbour | None:
-        """Return the robot of highest priority (above this one's) that wants a path where this robot stands."""
+        """Return the robot of highest priority (above this robot's) that wants a path where this robot stands."""
         own = None if self._execution.goal is None else Claim(self._execution.progress.began, self._robot)
         strongest: Neighbour | None = None
         for other in neighbours:
@@ -201,7 +201,7 @@ class PlanningCycle:
     def _driven_on(self) -> Controlling | None:
         """The present state if the robot drives on while its plan is replaced.
 
-        An example is a planner_frequency above 0.
+        This happens, for example, with a planner_frequency above 0.
         """
         state = self._execution.state
         often = self._execution.move_base.planner_frequency > 0.0

@@ -17,7 +17,7 @@ STAY_TIMEOUT = 20.0
 STAY_DISTANCE = 0.5
 """Distance within which a robot counts as staying in one place, meters."""
 GIVE_WAY_TIME = 5.0
-"""Seconds for which a robot that gave way lets the other one plan first."""
+"""Seconds for which a robot that gave way lets the other robot plan first."""
 
 
 class GoalProgress:
@@ -96,7 +96,7 @@ class GoalProgress:
         return self._stayed > STAY_TIMEOUT * TICKS_PER_SECOND
 
     def note_way_given(self, tick: int, robot: int) -> None:
-        """Record that this robot begins to give way to another one."""
+        """Record that this robot begins to give way to another robot."""
         self._gave_way = tick, robot
 
     def yields_to(self, tick: int) -> int | None:

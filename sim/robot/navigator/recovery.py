@@ -1,4 +1,4 @@
-"""Recovery behaviors. A navigator tries them one after the other before it gives a goal up.
+"""Recovery behaviors. A navigator tries them one after another before it gives a goal up.
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp (loadDefaultRecoveryBehaviors, executeCycle),
 clear_costmap_recovery, rotate_recovery.
@@ -28,7 +28,7 @@ class RecoverySituation:
         seconds: simulated time since the behavior began.
         base_in_map: pose estimate of the robot.
         twist: velocity of the robot, by odometry.
-        goal_in_map: pose of the goal; None if the robot has no goal, but makes room for another robot.
+        goal_in_map: pose of the goal. None if the robot has no goal, but makes room for another robot.
         scan: the last scan that the local costmap has not processed yet, or None.
         costs: (rows, cols) local costmap.
         frame: frame of the local costmap in the map.
@@ -49,7 +49,7 @@ class RunningRecovery(Protocol):
     """A running recovery behavior (nav_core::RecoveryBehavior, one command at a time)."""
 
     def command(self, now: RecoverySituation) -> Twist | None:
-        """Return the next command; None if the behavior has ended.
+        """Return the next command, or None if the behavior has ended.
 
         If a command leaves no room to stop, the robot stands.
         """
@@ -81,7 +81,7 @@ class RecoveryProgress:
 
 
 class RecoveryBehaviours:
-    """The list of recovery behaviors, and the next one to try.
+    """The list of recovery behaviors, and the next behavior to try.
 
     Args:
         parameters: parameters of move_base.
@@ -114,14 +114,14 @@ class RecoveryBehaviours:
         return RecoveryProgress(self._next, tuple(self._names))
 
     def next(self) -> str | None:
-        """Return the next behavior to try; None if all have been tried."""
+        """Return the next behavior to try, or None if all have been tried."""
         if self._next >= len(self._names):
             return None
         self._next += 1
         return self._names[self._next - 1]
 
     def reset_side(self, behaviour: str) -> float:
-        """Return the side of the square around the robot that a reset does not change, meters; 0 for a rotation."""
+        """Return the side of the square around the robot that a reset does not change, meters, or 0 for a rotation."""
         return self._squares.get(behaviour, 0.0)
 
 

@@ -72,7 +72,7 @@ def may_turn(scan: Scan, radius: float) -> bool:
 
 
 def room_ahead(scan: Scan, footprint: FloatArray) -> float:
-    """Return the distance straight ahead to the first obstacle in a scan, meters; inf if there is no obstacle.
+    """Return the distance straight ahead to the first obstacle in a scan, meters, or inf if there is no obstacle.
 
     Args:
         scan: the latest scan.

@@ -1,4 +1,4 @@
-"""Stale neighbors: team mates that no longer broadcast, at their last reported poses.
+"""Stale neighbors: robots of the team that no longer broadcast, at their last reported poses.
 
 A robot that dies in a doorway stays there. The others remember its last known pose. Plans avoid this pose until
 STALE_TIMEOUT. Later, they avoid the robot only if the laser sees it, because it may have been removed. Braking avoids
@@ -55,7 +55,7 @@ class _StaleNeighbour(NamedTuple):
 
 
 class StaleNeighbours:
-    """The team as this robot knows it: robots that broadcast, and last states of robots that no longer do so."""
+    """The team as this robot knows it: robots that broadcast, and last states of robots that no longer broadcast."""
 
     def __init__(self) -> None:
         self._current: Sequence[Neighbour] = ()
@@ -65,7 +65,7 @@ class StaleNeighbours:
     def update(self, tick: int, neighbours: Sequence[Neighbour]) -> None:
         """Process the broadcasts of this tick.
 
-        Robots that broadcast in the last tick, but not in this one, become stale.
+        Robots that broadcast in the last tick, but not in this tick, become stale.
         """
         robots = list(map(_ROBOT, neighbours))
         if robots != self._robots:
@@ -96,7 +96,7 @@ class StaleNeighbours:
                 del self._stale[robot]
 
     def known(self, tick: int) -> Sequence[Neighbour]:
-        """Return all robots that plans keep clear of: those that broadcast, and those that are remembered."""
+        """Return all robots that plans keep clear of: robots that broadcast, and remembered robots."""
         return [*self._current, *self.remembered(tick)] if self._stale else self._current
 
     def remembered(self, tick: int) -> list[Neighbour]:

@@ -111,25 +111,25 @@ Event = Literal[
 ]
 
 TRANSITIONS: set[tuple[type[State], Event, type[State]]] = {
-    # Idle: no goal; the robot stands.
+    # Idle: the robot stands without a goal.
     (Idle, "goal received", Planning),  # Plan as soon as it is this robot's turn.
     (Idle, "asked to clear", Controlling),  # Drive to a refuge off the other robot's path.
-    (Idle, "asked to clear", Idle),  # If there is no refuge, ask nearby robots to clear a path to one.
+    (Idle, "asked to clear", Idle),  # If there is no free refuge, ask nearby robots to clear a path to a refuge.
     (Idle, "no longer asked", Idle),  # Stop asking nearby robots.
     (Idle, "replan requested", Idle),  # Stop asking nearby robots.
     (Idle, "lost", Lost),  # Forget the obstacles seen by the laser.
-    # PLANNING: the robot stands, and plans whenever it is its turn (`planning_cycle`).
+    # Planning: the robot stands, and plans whenever it is its turn (`planning_cycle`).
     (Planning, "plan made", Controlling),  # Follow the plan.
     (Planning, "deferred", Planning),  # The goal is on the path of a robot with an older goal, which goes first.
-    (Planning, "blocked by robots", Planning),  # Ask the robots to clear the path; give up after CLEARING_TIMEOUT.
-    (Planning, "plan refused", Planning),  # Try again; after planner_patience try a recovery behavior, then give up.
+    (Planning, "blocked by robots", Planning),  # Ask the robots to clear the path. After CLEARING_TIMEOUT, give up.
+    (Planning, "plan refused", Planning),  # Try again. After planner_patience try a recovery behavior, then give up.
     (Planning, "asked to clear", Controlling),
     (Planning, "asked to clear", Planning),
     (Planning, "recovery", Clearing),  # rotate_recovery: turn once around. Resets of costmaps change no state.
     (Planning, "replan requested", Planning),
     (Planning, "goal ended", Idle),  # Given up or cancelled.
     (Planning, "lost", Lost),
-    # CONTROLLING: a command is due at controller_frequency (`control_cycle`).
+    # Controlling: a command is due at controller_frequency (`control_cycle`).
     (Controlling, "command due", Controlling),  # Ask the follower for a command.
     (Controlling, "plan made", Controlling),  # An obstacle or a delay, or planner_frequency, made a new plan due.
     (Controlling, "blocked by robots", Planning),
@@ -141,14 +141,14 @@ TRANSITIONS: set[tuple[type[State], Event, type[State]]] = {
     (Controlling, "replan requested", Planning),
     (Controlling, "goal ended", Idle),  # Reached, given up or cancelled.
     (Controlling, "lost", Lost),
-    # CLEARING: a recovery behavior, or reset of costmaps (`clearing_cycle`).
+    # Clearing: a recovery behavior, or reset of costmaps (`clearing_cycle`).
     (Clearing, "command due", Clearing),  # Continue the turn or the behavior, as far as it is safe.
     (Clearing, "asked to clear", Clearing),  # Give way after the turn.
     (Clearing, "recovery ended", Idle),
     (Clearing, "recovery ended", Planning),
     (Clearing, "recovery ended", Controlling),
     (Clearing, "replan requested", Clearing),
-    (Clearing, "goal ended", Clearing),  # Cancelled: the turn is still completed.
+    (Clearing, "goal ended", Clearing),  # Cancelled. The turn is still completed.
     (Clearing, "lost", Lost),
     # Lost: the robot looks around until it is localized.
     (Lost, "located", Idle),

@@ -122,7 +122,7 @@ def test_the_team_tells_what_is_true_of_each_robot() -> None:
 
 def test_a_body_does_not_change_while_it_runs() -> None:
     team = team_of()
-    with pytest.raises(ValueError, match=r"robot 1 cannot change these while it runs: laser\.beams"):
+    with pytest.raises(ValueError, match=r"robot 1: these parameters cannot change while it runs: laser\.beams"):
         run(team, 1, SetWorldParameters(1, replace(TRUE, laser=replace(TRUE.laser, beams=90))))
 
 
