@@ -1,1 +1,1 @@
-"""Programs of the participant: TabUI, and the simulated participants that may use it."""
+"""Programs of the participant: TabUI, and simulated participants that may use TabUI."""

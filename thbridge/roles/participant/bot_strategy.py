@@ -1,13 +1,13 @@
-"""The built-in simulated participants, by name."""
+"""Names of the built-in simulated participants."""
 
 from enum import StrEnum
 
 
 class BotStrategy(StrEnum):
-    """Strategy of a simulated participant for choosing rooms.
+    """Strategy of a simulated participant for the choice of rooms.
 
-    `suggestion` follows the robot's advice; `nearest` chooses the room that costs the robot least; `random` chooses any
-    room. `random` also breaks off one dialogue in ten.
+    `suggestion` follows the robot's advice. `nearest` chooses the room with the lowest cost for the robot. `random`
+    chooses a random room, and stops one dialogue in ten.
     """
 
     SUGGESTION = "suggestion"

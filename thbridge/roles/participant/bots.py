@@ -1,4 +1,4 @@
-"""Simulated participants, which decide only from the view, as a person in front of the window does."""
+"""Simulated participants. Like a person in front of the window, they know only the view."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -37,22 +37,22 @@ from thbridge.roles.shared.view import (
 STOP_PROBABILITY = 0.1
 """Probability that the `random` participant answers Stop."""
 MAX_ATTEMPTS = 3
-"""Number of failed moves of a robot to a room, or of failed talks about a treasure, after which the bot gives up."""
+"""Number of failed moves of a robot to a room, or failed dialogues about a treasure, after which the bot gives up."""
 TALKS_AS_USUAL, TALKS_ABOUT_ROOMS, MOST_TALKS = 2, 4, 6
-"""Numbers of failed talks with a robot. After the first number, the bot no longer asks for advice. After the second, it
-no longer chooses rooms itself, but asks for advice again and accepts any. After the third, it no longer talks with the
-robot."""
+"""Numbers of failed dialogues with a robot. After the first number, the bot no longer asks for advice. After the second
+number, it no longer chooses rooms itself, but asks for advice again and accepts all advice. After the third number, it
+no longer talks with the robot."""
 DEAR = 2.0
-"""Energy, as a multiple of the cheapest room's, above which a room is too expensive for a cautious participant."""
+"""Ratio of a room's cost to the cheapest room's cost above which a room is too expensive for a cautious participant."""
 
 
 @dataclass(frozen=True, slots=True)
 class TreasureKnowledge:
-    """Knowledge of the participant: all treasures, and what a picture of each shows.
+    """Knowledge of the participant: all treasures, and their pictures.
 
     Attributes:
         kinds: kinds of the participant's treasure list.
-        shown_by: name of the treasure that a person sees on a picture, by the picture's file name.
+        shown_by: name of the treasure on each picture, by the picture's file name.
     """
 
     kinds: tuple[TreasureKind, ...]
@@ -60,28 +60,28 @@ class TreasureKnowledge:
 
 
 class Bot:
-    """A simulated participant; a player for TabUI.
+    """A simulated participant. It is a player for TabUI.
 
-    It handles each robot separately. Before a robot drives on, the bot decides about the treasure that the robot found:
+    It handles each robot separately. Before a robot drives to another room, the bot decides about the found treasure:
 
-    * If the known properties determine its name, the bot names it.
-    * Otherwise the robot senses more, if that costs less than a picture.
+    * If the known properties determine the name, the bot names the treasure.
+    * Otherwise the robot senses a further property, if this costs less than a picture.
     * Otherwise the bot takes a picture and enters the properties that only people can recognize.
-    * If the energy does not suffice for that, the bot leaves the treasure.
+    * If there is not enough energy for this, the bot leaves the treasure.
 
-    For a robot with another commander the bot only decides about the treasures found, and waits. Rooms that a robot
-    did not reach come last with any strategy, and are given up after three attempts. A lost robot is sent once, because
-    it may localize itself while it drives. When nothing is left to request, the bot ends the game.
+    For a robot with another commander, the bot only decides about found treasures, and waits. With all strategies,
+    rooms that a robot did not reach are chosen last, and are given up after three attempts. A lost robot is sent only
+    once, because it may localize itself during the drive. If there are no further requests, the bot ends the game.
 
-    Talks that end without an agreement are counted until the robot drives again. After two talks about one room, the
-    bot chooses another room. After some more talks, it follows the robot's advice. In the end, it stops talking with
+    The bot counts dialogues without an agreement until the robot drives again. After two such dialogues about a room,
+    it chooses another room. After some further dialogues, it follows the robot's advice. Finally, it stops talking with
     the robot.
 
     Args:
-        strategy: chooses rooms.
+        strategy: strategy for the choice of rooms.
         knowledge: knowledge of treasures.
-        seed: random seed; only `random` and the sceptical attitude use random numbers.
-        attitude: attitude toward what robots say.
+        seed: random seed. Only the strategy `random` and the sceptical attitude use random numbers.
+        attitude: attitude to robots' claims.
     """
 
     def __init__(
@@ -101,11 +101,11 @@ class Bot:
         self._destinations: dict[int, int] = {}
         self._failed_moves: Counter[tuple[int, int]] = Counter()
         self._lost: set[int] = set()
-        # By robot: the last request to talk that has no result in the views yet.
+        # By robot: the last request for a dialogue without a result in the views.
         self._asked: dict[int, _TalkRequest] = {}
         self._talking: set[int] = set()
         self._refusals = 0
-        # By robot: rooms of failed talks since it last drove; None means a talk about advice.
+        # By robot: rooms of failed dialogues since its last drive. None means a dialogue about advice.
         self._vain: dict[int, list[int | None]] = {}
         self._vain_matters: Counter[tuple[str, int]] = Counter()
 
@@ -136,7 +136,7 @@ class Bot:
         return requests
 
     def _count_failures(self, view: View) -> None:
-        """Count the moves that failed, by robot and room, and note robots that are still lost after a failed move."""
+        """Count failed moves by robot and room. Record robots that are lost after a failed move."""
         for robot in view.robots:
             if robot.condition is not Condition.LOST:
                 self._lost.discard(robot.robot)
@@ -149,7 +149,7 @@ class Bot:
                 self._destinations[robot.robot] = robot.moving_to
 
     def _count_talks_in_vain(self, view: View) -> None:
-        """Count the talks that ended without an agreement, or that were refused."""
+        """Count dialogues that ended without an agreement or were refused."""
         is_refused = view.refusal is not None and view.refusal.number > self._refusals
         self._refusals = self._refusals if view.refusal is None else view.refusal.number
         talking = {*view.thinking, *(dialogue.robot for dialogue in view.dialogues)}
@@ -197,7 +197,7 @@ class Bot:
         vain = self._vain.get(robot.robot, [])
         if not open_to_it or len(vain) >= MOST_TALKS:
             return
-        # Otherwise the robot would again and again suggest the room that it did not reach.
+        # Without this, the robot would repeatedly suggest the room that it did not reach.
         is_advised = self._strategy is BotStrategy.SUGGESTION and fresh == rooms and len(vain) < TALKS_AS_USUAL
         if is_advised or len(vain) >= TALKS_ABOUT_ROOMS:
             yield RequestSuggestion(robot.robot)
@@ -206,7 +206,7 @@ class Bot:
             yield SelectRoom(robot.robot, self._choice(view, robot, untold or open_to_it))
 
     def _is_given_up(self, robot: int, room: int) -> bool:
-        """Return True for a room that a robot has failed to reach too often."""
+        """Return True for a room that a robot failed to reach too often."""
         return self._failed_moves[robot, room] >= MAX_ATTEMPTS
 
     def _affordable(self, view: View, robot: RobotView, taken: set[int]) -> list[int]:
@@ -216,8 +216,8 @@ class Bot:
 
     def _choice(self, view: View, robot: RobotView, rooms: Sequence[int]) -> int:
         if self._strategy is BotStrategy.RANDOM:
-            # The choice stays the same while the robot's state stays the same, and changes after each dialogue broken
-            # off.
+            # The choice must not change while the robot's state does not change. It must change after each stopped
+            # dialogue.
             turn = (len(self._stopped) * len(view.costs) + robot.place) * len(view.robots) + robot.robot
             return rooms[int(noise.uniform(self._choices, turn, 0) * len(rooms))]
         costs = view.costs_from(robot)
@@ -235,7 +235,7 @@ class Bot:
         return AnswerDialogue(dialogue.dialogue, dialogue.turn, policy.reply(dialogue, self._opinion(view, dialogue)))
 
     def _opinion(self, view: View, dialogue: DialogueView) -> Opinion:
-        """Return the participant's opinion of a dialogue's matter, by the costs in the view."""
+        """Return the participant's opinion about the matter of a dialogue. It depends on the costs in the view."""
         if dialogue.matter != "select-room":
             return Opinion(is_own=True)
         robot = view.robots[dialogue.robot]
@@ -283,21 +283,21 @@ class Bot:
         return OpenDialogue(robot.robot, matter, room.room, name)
 
     def _name(self, room: RoomView) -> str | None:
-        """Return the name of the treasure in a room, or None while several names fit."""
+        """Return the name of the treasure in a room, or None if several names are possible."""
         if room.picture is not None:
             return self._knowledge.shown_by.get(room.picture)
         fitting = {kind.name for kind in self._fitting(room)}
         return fitting.pop() if len(fitting) == 1 else None
 
     def _fitting(self, room: RoomView) -> list[TreasureKind]:
-        """Return the kinds that have all the properties known of the treasure in a room."""
+        """Return the kinds of treasures with all known properties of the treasure in a room."""
         known = room.known.items()
         return [
             kind for kind in self._knowledge.kinds if all(kind.properties.get(name) == value for name, value in known)
         ]
 
     def _measured(self, view: View, robot: RobotView, room: RoomView) -> MeasureProperty | None:
-        """Return the request for a property that distinguishes the fitting treasures for less energy than a picture."""
+        """Return the request for a property that distinguishes the possible treasures and costs less than a picture."""
         fitting = self._fitting(room)
         telling = [
             each
@@ -311,7 +311,7 @@ class Bot:
         return MeasureProperty(room.room, min(telling, key=lambda each: each.cost).name) if telling else None
 
     def _entered(self, view: View, room: RoomView, name: str) -> TellProperty | None:
-        """Return the next property that a person recognizes on the picture of a treasure."""
+        """Return the request for the next property that a person recognizes on the picture of a treasure, or None."""
         shown = next((kind for kind in self._knowledge.kinds if kind.name == name), None)
         untold = (each for each in view.properties if each.told_by is Teller.PERSON and each.name not in room.told)
         each = next(untold, None)
@@ -325,6 +325,6 @@ _TalkRequest: TypeAlias = SelectRoom | RequestSuggestion | OpenDialogue
 
 
 def _waits_for(robot: RobotView, room: RoomView) -> bool:
-    """Return True when this robot has to sense the treasure in a room, or to name one that it has found there."""
+    """Return True if this robot must sense the treasure in a room, or must name the treasure that it found there."""
     beside = robot.place == room.room and robot.moving_to is None
     return room.undecided and room.robot == robot.robot and (room.found or beside)

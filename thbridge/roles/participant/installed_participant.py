@@ -1,4 +1,4 @@
-"""Simulated participants of labs, as plug-ins."""
+"""Plug-ins for simulated participants that a lab installs."""
 
 import copy
 from collections.abc import Callable, Sequence
@@ -23,30 +23,30 @@ ParticipantCaller: TypeAlias = Callable[[Callable[[], Sequence[ParticipantReques
 
 
 class ParticipantFactory(Protocol):
-    """Factory of a lab's simulated participant: a class or function."""
+    """Class or function of a lab that creates a simulated participant."""
 
     def __call__(self, knowledge: TreasureKnowledge, attitude: Attitude, seed: int, /) -> Player:
         """Return the participant of one game.
 
         Args:
-            knowledge: all treasures, and what a picture of each shows.
-            attitude: attitude toward what robots say, as the study sets it.
+            knowledge: all treasures, and their pictures.
+            attitude: attitude to robots' claims, from the study.
             seed: random seed of the study. The same seed and views must give the same requests.
         """
         ...
 
 
 class InstalledParticipant:
-    """Simulated participant of a lab. If it fails, a built-in participant decides, and the failure is reported.
+    """Simulated participant of a lab. If its code fails, a built-in participant decides, and the failure is reported.
 
     Args:
         player: the lab's participant.
-        stand_in: the built-in participant.
-        call: calls the lab's program; in a trial, with a timeout.
-        report: called with each fault.
+        stand_in: the built-in participant for the case of a failure.
+        call: function that calls the lab's code; in a trial, with a timeout.
+        report: function that receives each fault.
 
     Attributes:
-        fault: the error of the last view; empty if there was none.
+        fault: the error for the last view; empty if there was none.
     """
 
     def __init__(
@@ -64,12 +64,12 @@ class InstalledParticipant:
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
         """Return the requests of the lab's participant, or of the built-in participant if it fails; see `Player`."""
-        # A copy, so that the lab's program cannot change the view of the session.
+        # Make a copy, so that the lab's code cannot change the view of the session.
         given = copy.deepcopy(view)
         try:
             requests = self._call(lambda: _checked(self._player.requests(given)))
         except RAISED as error:
-            # The game must continue, even if the lab's program raises an error of any kind.
+            # The game must continue, even if the lab's code raises any error.
             self.fault = str(error) if isinstance(error, _NotARequest) else told_error(error)
         else:
             self.fault = ""
@@ -83,7 +83,7 @@ class _NotARequest(Exception):  # noqa: N818 - the sentence describes the fault 
 
 
 def _checked(returned: object) -> Sequence[ParticipantRequest]:
-    """Return the requests of a result. Raises _NotARequest if one of them cannot be sent."""
+    """Return the requests in a result. Raises _NotARequest if a request cannot be sent."""
     if isinstance(returned, str | bytes) or not hasattr(returned, "__iter__"):
         raise _NotARequest(f"it returned a {type(returned).__name__}, not a list of requests")
     requests: list[ParticipantRequest] = []

@@ -1,4 +1,4 @@
-"""Replies of a simulated participant in dialogues: its choices, by its attitude."""
+"""Replies of a simulated participant in dialogues. They depend on the participant's attitude."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,25 +8,25 @@ from thbridge.dialogue.games.strategies import Attitude
 from thbridge.roles.shared.view import DialogueView
 
 MOST_REPLIES = 8
-"""Number of replies in one dialogue after which a sceptic gives in or leaves."""
+"""Number of replies in a dialogue after which a sceptic gives in or leaves."""
 MOST_TALK = 24
-"""Number of replies in one dialogue after which any participant leaves: a robot may mishear it again and again."""
+"""Number of replies in a dialogue after which every participant leaves, because a robot may mishear repeatedly."""
 QUESTION_PROBABILITY = 0.2
-"""Probability that a sceptic asks something before it replies."""
+"""Probability that a sceptic asks a question before the reply."""
 REJECTION_PROBABILITY = 0.5
-"""Probability that a sceptic rejects a claim after hearing reasons, and that it does not give in at the end."""
+"""Probability that a sceptic rejects a claim after hearing reasons, and probability of not giving in at the end."""
 STOP_PROBABILITY = 0.3
-"""Probability that a sceptic stops a robot that asks scripted questions about a room the sceptic did not choose."""
+"""Probability that a sceptic stops a robot with scripted questions about a room that the sceptic did not choose."""
 
 
 @dataclass(frozen=True, slots=True)
 class Opinion:
-    """Opinion of a participant about the matter of a dialogue.
+    """Opinion of a participant about a proposal in a dialogue.
 
     Attributes:
-        is_own: True if the participant brought it up.
+        is_own: True if the proposal is from the participant.
         is_liked: True if no other room costs less.
-        is_dear: True if it costs much more than another room.
+        is_dear: True if the room costs much more than another room.
     """
 
     is_own: bool = False
@@ -36,23 +36,24 @@ class Opinion:
 
 @dataclass(frozen=True, slots=True)
 class ReplyPolicy:
-    """Policy for the replies of a simulated participant in dialogues: a function of the view and of its seed.
+    """Policy for the replies of a simulated participant in dialogues. Replies depend only on the view and the seed.
 
-    The credulous make the first choice, which is the most agreeable. The cautious agree to what they would choose
-    themselves. They challenge anything else, and accept the reasons. If they cannot ask for reasons, they stop robots
-    whose choice costs too much. The sceptical challenge everything they can, and reject half of what is justified to
-    them. They insist on their own choices, and sometimes ask questions. In the end they give in or leave.
+    Credulous participants always make the first choice, which is the most agreeable choice. Cautious participants agree
+    to proposals that they would choose themselves. They challenge all other proposals and accept the reasons. If they
+    cannot ask for reasons, they stop robots with too expensive choices. Sceptical participants challenge all claims if
+    possible, and reject half of the justified claims. They insist on their own choices, and sometimes ask questions.
+    Finally, they give in or leave.
 
     Attributes:
-        attitude: attitude toward what robots say.
-        seed: random seed; only the sceptical use random numbers.
+        attitude: attitude to robots' claims.
+        seed: random seed. Only sceptical participants use random numbers.
     """
 
     attitude: Attitude
     seed: int
 
     def reply(self, dialogue: DialogueView, opinion: Opinion) -> int:
-        """Return the choice, counted from 0, in a dialogue that has choices."""
+        """Return the number of the choice, from 0, in a dialogue with choices."""
         if dialogue.acts[-1:] == ("leave",) and dialogue.speakers.count("person") >= MOST_TALK:
             return len(dialogue.choices) - 1
         match self.attitude:
@@ -66,12 +67,12 @@ class ReplyPolicy:
         if act is None:
             return 0
         found = [choice for choice, offered in enumerate(dialogue.acts) if offered == act]
-        # A sceptic chooses randomly among equal acts, for example among reasons; the others choose the first.
+        # A sceptic chooses randomly among equal acts, for example among reasons. Other participants choose the first.
         varies = self.attitude is Attitude.SCEPTICAL
         return found[int(self._uniform("reasons", dialogue) * len(found))] if varies else found[0]
 
     def _sceptical(self, dialogue: DialogueView, is_own: bool) -> tuple[str, ...]:
-        """Return the acts that a sceptic would choose, in order of preference."""
+        """Return a sceptic's preferred acts, in order of preference."""
         doubts = self._uniform("rejections", dialogue) < REJECTION_PROBABILITY
         if "continue" in dialogue.acts:
             stops = not is_own and self._uniform("stops", dialogue) < STOP_PROBABILITY
@@ -81,7 +82,7 @@ class ReplyPolicy:
         if "open-questions" in dialogue.acts and self._uniform("questions", dialogue) < QUESTION_PROBABILITY:
             return ("open-questions",)
         insists = ("override", "assert") if is_own else ()
-        # If there are three assertions, the robot has asked a question: they are yes, no, and don't know.
+        # Three assertions are the answers to a robot's question: yes, no, and don't know.
         answers = ("assert",) if dialogue.acts.count("assert") == 3 else ()
         return ("enquire", "challenge", *insists, "reject" if doubts else "accept", "question", *answers, "leave")
 
@@ -90,7 +91,7 @@ class ReplyPolicy:
 
 
 def _cautious(dialogue: DialogueView, opinion: Opinion) -> Sequence[str]:
-    """Return the acts that a cautious participant would choose, in order of preference."""
+    """Return a cautious participant's preferred acts, in order of preference."""
     if "continue" in dialogue.acts:
         return ("stop",) if opinion.is_dear and not opinion.is_own else ("continue",)
     liked = ("accept",) if opinion.is_liked else ()

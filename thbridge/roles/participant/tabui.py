@@ -1,4 +1,4 @@
-"""TabUI: the program of a participant, who may be a person or simulated."""
+"""TabUI: the program of a participant. The participant may be a person or simulated."""
 
 from collections.abc import Sequence
 from typing import Protocol, TypeAlias, assert_never
@@ -30,19 +30,19 @@ from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import NoticeDecoder, encode_notice
 
 RETRY_PERIOD = 3 * TICKS_PER_SECOND
-"""Ticks after which a request is sent again if the view does not show its effect."""
+"""Number of ticks after which a request is repeated if the view does not show its effect."""
 
 REJOIN_PERIOD = TICKS_PER_SECOND // 2
-"""Ticks after joining again before a request is sent again: the first view may show its effect."""
+"""Number of ticks after joining again before a request is repeated, because the first view may show its effect."""
 
 NUMBER_PERIOD = 30 * TICKS_PER_SECOND
-"""Ticks after which a request that the player still makes gets a new number, because its effect must have been lost.
+"""Number of ticks after which an unchanged request of the player gets a new number, because its effect was lost.
 
-The server closes a connection that is interrupted for this time.
+The server closes connections that are interrupted for this time.
 """
 
 RENEWAL_PERIOD = 3 * TICKS_PER_SECOND
-"""Ticks from one subscription to the next, so that a restarted SimR learns of it."""
+"""Number of ticks between two subscriptions. They are repeated for the case that SimR was restarted."""
 
 ParticipantUpdate: TypeAlias = View | GameTexts | FloorPlan | PicturePiece | PoseTelemetry | PlannedPaths
 """A notice to the participant's program."""
@@ -54,35 +54,35 @@ class ParticipantObserver(Protocol):
     """Observer of the notices to a participant, such as a window."""
 
     def observe(self, level: ParticipantUpdate) -> None:
-        """Receive a notice; called in the order of arrival."""
+        """Receive a notice. Notices are in the order of arrival."""
 
 
 class Player(Protocol):
-    """Decision maker for the participant: a window or a bot."""
+    """Program part that decides for the participant: a window or a bot."""
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
-        """Return the requests for this view; called for every new view, and again after `RETRY_PERIOD`."""
+        """Return the requests for this view. TabUI calls this for every new view, and again after `RETRY_PERIOD`."""
 
 
 class TabUI:
-    """The participant's role, which sends a player's requests and repeats them until the view shows their effects.
+    """Role of the participant. It sends a player's requests, and repeats them until the view shows their effects.
 
-    Requests are lines of 2016 if such lines exist, otherwise notices. TabUI keeps no state of the game: if it starts
-    during a game, it continues with the next view.
+    A request is a line of 2016 if there is such a line, otherwise a notice. TabUI does not store the state of the game.
+    If it starts during a game, it continues with the next view.
 
     Args:
-        player: decides.
-        observer: receives all notices; without one TabUI does not subscribe to pose telemetry.
-        consent: consent of a participant who agreed to take part before this program joined; it is sent first.
-        first_number: number of its first request. It is random if another program with the same mark may follow, such
-            as a window that is opened again. So the keeper does not take new requests for repetitions.
+        player: program part that decides for the participant.
+        observer: object that receives all notices. Without an observer, TabUI does not subscribe to pose telemetry.
+        consent: consent of a participant who agreed to take part before this program joined. It is sent first.
+        first_number: number of the first request. It is random if another program with the same run id may follow, such
+            as a window that is opened again. So the keeper does not count new requests as repetitions.
 
     Attributes:
-        view: the latest view, None before the first.
-        room_names: room names of the game's map; empty until the keeper has sent them.
-        texts: texts of the game's language; None until the keeper has sent them.
-        run: mark of this run of the program; see `ParticipantReady`.
-        declined: True when the participant has declined to take part; then this program must leave.
+        view: the latest view, or None before the first view.
+        room_names: room names of the game's map. Empty before the keeper has sent them.
+        texts: texts of the game's language. None before the keeper has sent them.
+        run: id of this run of the program; see `ParticipantReady`.
+        declined: True if the participant has declined to take part. Then this program must leave.
     """
 
     name = legacy.TABUI
@@ -104,8 +104,8 @@ class TabUI:
         self.declined = False
         self._introduce = False
         self._renew_at: int | None = None
-        # For each current request of the player: its number, the last tick of this number, the tick of the last
-        # sending.
+        # For each present request of the player: its number, and the last tick for this number. Then the tick at which
+        # each request was last sent.
         self._numbers: dict[ParticipantRequest, tuple[int, int]] = {}
         self._sent: dict[ParticipantRequest, int] = {}
         self._last_number = first_number - 1
@@ -113,12 +113,12 @@ class TabUI:
         self._fault = ""
 
     def connected(self) -> None:
-        """Request the view from the keeper in the next step; requests sent before may be lost."""
+        """Request the view from the keeper in the next step. Earlier requests may be lost."""
         self._introduce = True
         self._renew_at = 0
 
     def poll_player(self) -> None:
-        """Ask the player in the next step even if the view has not changed, because a person has decided."""
+        """Ask the player in the next step, even for an unchanged view, because a person has decided."""
         self._next_poll = 0
 
     def decline(self) -> None:
@@ -139,7 +139,7 @@ class TabUI:
                 case GameTexts():
                     self.texts = update.texts() or self.texts
                 case PicturePiece() | PoseTelemetry() | PlannedPaths() | None:
-                    pass  # For the observer alone.
+                    pass  # Only the observer uses these notices.
                 case _:
                     assert_never(update)
             if update is not None and self._observer is not None:
@@ -147,7 +147,7 @@ class TabUI:
         outgoing: list[TextMessage] = []
         if self._introduce:
             self._introduce = False
-            # Requests are repeated a little later, since the next view may show that they were not lost.
+            # Repeat requests a little later, because the next view may show their effects.
             self._sent = dict.fromkeys(self._sent, tick + REJOIN_PERIOD - RETRY_PERIOD)
             self._next_poll = min(self._next_poll, tick + REJOIN_PERIOD)
             if self._consent is not None:
@@ -181,7 +181,7 @@ class TabUI:
         return self._last_number, tick + NUMBER_PERIOD
 
     def _note_refusal(self, view: View) -> None:
-        """Forget the numbers of refused requests, so that a player that still makes one of them sends it again."""
+        """Remove the numbers of refused requests. So a request that the player repeats is sent again."""
         if view.refusal is not None and (self.view is None or view.refusal != self.view.refusal):
             wish = view.refusal.wish
             self._numbers = {
@@ -190,6 +190,6 @@ class TabUI:
 
 
 def _decode_update(message: TextMessage) -> ParticipantUpdate | None:
-    """Return the notice in a message; None if it is malformed or not for participants."""
+    """Return the notice in a message, or None if it is malformed or not for participants."""
     update = _UPDATES.read(message)
     return None if isinstance(update, View) and not update.is_consistent() else update

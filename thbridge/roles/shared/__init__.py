@@ -1,1 +1,1 @@
-"""Messages, rules and interfaces that the programs of the game share."""
+"""Common messages, rules and interfaces of the game's programs."""

@@ -1,6 +1,6 @@
-"""All sentences for the participant about moves that failed.
+"""All sentences for the participant about failed moves.
 
-They are recorded: a sentence that is reworded needs a row in `thbridge.app.replay.rewordings`.
+The sentences are recorded. If you change a sentence, add a row to `thbridge.app.replay.rewordings`.
 """
 
 from sim.common.robot_numbers import robot_name
@@ -29,16 +29,16 @@ _SENTENCES: dict[NoPathReason, str] = {
 
 
 def failure_sentence(robot: int, reason: NoPathReason) -> str:
-    """Return a sentence about a robot, counted from 0, for one of the navigator's reasons."""
+    """Return a sentence about a robot (index from 0) for one of the navigator's reasons."""
     sentence = _SENTENCES[reason].format(robot=robot_name(robot))
     return sentence[0].upper() + sentence[1:]
 
 
 def unknown_place_sentence(robot: int) -> str:
-    """Return the sentence about a robot, counted from 0, that should stand where the map is unknown."""
+    """Return the sentence about a robot (index from 0) with a goal on an unknown part of the map."""
     return f"The map does not show what is at the place where {robot_name(robot)} should stand."
 
 
 def unresponsive_sentence(robot: int) -> str:
-    """Return the sentence about a robot, counted from 0, that does not respond."""
+    """Return the sentence about a robot (index from 0) that does not respond."""
     return f"{robot_name(robot).capitalize()} no longer answers."

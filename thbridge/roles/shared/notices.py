@@ -1,6 +1,6 @@
-"""Notices with which the game's own programs keep each other up to date; see docs/design.md.
+"""Notices between the game's own programs; see docs/design.md.
 
-Each contains a state and not a change, so a notice that is sent twice does no harm.
+A notice contains a state instead of a change, so repeating a notice has no effect.
 """
 
 import base64
@@ -19,17 +19,18 @@ from thbridge.text_protocol.wire.notice import NoticeDecoder, NoticeValue
 KEEPER = "Game"
 """Name of the keeper at the text server."""
 LARGEST_TEXTS = 1_000_000
-"""Largest size of a language's texts, unpacked, in bytes."""
+"""Largest size of a language's decompressed texts, in bytes."""
 
 
 class RobotsReady(NoticeValue, frozen=True, tag="RobotsReady"):
-    """SimR to keeper: the robots are ready.
+    """SimR to keeper: information that the robots are ready.
 
     Attributes:
         map: name of the map.
-        robots: size of the team.
-        costs: energy from place to place, by number: 0 for the corridor, rooms from 1; None where there is no move.
-        from_starts: energy from the start of each robot to each place; if empty, `costs` applies there.
+        robots: number of robots.
+        costs: energy of moves between places, by number (0 is the corridor, rooms start at 1). None if there is no
+            move.
+        from_starts: energy from each robot's start to each place. If empty, use `costs`.
     """
 
     map: str
@@ -40,7 +41,7 @@ class RobotsReady(NoticeValue, frozen=True, tag="RobotsReady"):
 
 @dataclass(frozen=True, slots=True)
 class MoveOrder:
-    """An order to drive to a room. `move` numbers the moves of one game; `room` counts from 1."""
+    """An order to drive to a room: number of the move in the game, and number of the room from 1."""
 
     move: int
     room: int
@@ -50,12 +51,12 @@ class Orders(NoticeValue, frozen=True, tag="Orders"):
     """Keeper to SimR: the move and the energy of each robot.
 
     Attributes:
-        game: number of the game; a new game begins with every robot at its start.
-        moves: one entry per robot; None for a robot that has to stand still.
+        game: number of the game. At the start of a new game, every robot is at its start pose.
+        moves: one entry per robot. None for a robot that must stand still.
         energy: one entry per robot.
-        at: room in which each robot stands, from 1, or 0 for the corridor; for a moving robot, where it started.
-        poses: last known x, y, theta of every robot, for a SimR that is restarted during a game.
-        taken: robots that are not commanded by the participant; text lines of 2016 do not drive them.
+        at: present room of each robot, from 1, or 0 for the corridor. For a moving robot, the start of its move.
+        poses: last known x, y, theta of every robot, for a SimR that was restarted during a game.
+        taken: robots with another commander than the participant. Text lines of 2016 have no effect on them.
     """
 
     game: int
@@ -72,8 +73,8 @@ class MoveResult:
 
     Attributes:
         move: number of the order.
-        arrived: False when the move was given up.
-        sentence: reason for giving up, for people; empty on arrival.
+        arrived: False if the move failed.
+        sentence: reason for the failure, for people; empty after an arrival.
         share: driven share of the path, 0 to 1.
     """
 
@@ -87,12 +88,12 @@ class TeamStatus(NoticeValue, frozen=True, tag="Status"):
     """SimR to keeper: pose and condition of each robot, and the result of its last move.
 
     Attributes:
-        game: number of the game that SimR plays; 0 before the first orders.
+        game: number of SimR's present game; 0 before the first orders.
         poses: x, y, theta of every robot.
-        results: one entry per robot; None during a move and before the first.
+        results: one entry per robot. None during a move and before the first move.
         conditions: one entry per robot.
-        researchers: one entry per robot: the name of the researcher who intervenes now, or None. Empty from programs
-            that do not report researchers.
+        researchers: one entry per robot: the name of the intervening researcher, or None. Empty from programs that do
+            not report researchers.
     """
 
     game: int
@@ -103,12 +104,12 @@ class TeamStatus(NoticeValue, frozen=True, tag="Status"):
 
 
 class MoveCosts(NoticeValue, frozen=True, tag="MoveCosts"):
-    """SimR to keeper: the costs of moves from where the robots stand.
+    """SimR to keeper: the costs of moves from the robots' present positions.
 
     Attributes:
-        game: as in `TeamStatus`.
-        costs: one entry per robot: the energy to each place, by number as in `RobotsReady`, None where there is no
-            move. The entry of a robot with unknown costs is empty.
+        game: number of the game, as in `TeamStatus`.
+        costs: one entry per robot: the energy to each place, by number as in `RobotsReady`. None if there is no move.
+            The entry of a robot with unknown costs is empty.
     """
 
     game: int
@@ -116,42 +117,44 @@ class MoveCosts(NoticeValue, frozen=True, tag="MoveCosts"):
 
 
 class HiderReady(NoticeValue, frozen=True, tag="HiderReady"):
-    """Hider to keeper: Hider is ready; the keeper answers with `HideRequest` if its game has no treasures yet."""
+    """Hider to keeper: information that Hider is ready. If the game has no treasures, the keeper sends a
+    `HideRequest`.
+    """
 
 
 class HideRequest(NoticeValue, frozen=True, tag="HidePlease"):
-    """Keeper to Hider: hide treasures for this game."""
+    """Keeper to Hider: request to hide the treasures of this game."""
 
     game: int
     rooms: int
 
 
 class HideTreasures(NoticeValue, frozen=True, tag="HideTreasures"):
-    """Hider to keeper: the treasure of each room, room 1 first, in the form that journals use (`hunt.codec`)."""
+    """Hider to keeper: the treasure of each room, in order, with the fields of journals (`hunt.codec`)."""
 
     game: int
     treasures: tuple[Mapping[str, str | int | None], ...]
 
 
 class LegacyReply(NoticeValue, frozen=True, tag="Reply"):
-    """Keeper to Hider: send this line of the 2016 dialect, on which the keeper has decided, to the participant."""
+    """Keeper to Hider: request to send this line of 2016 to the participant. The keeper has decided on its text."""
 
     command: str
     text: str
 
 
 class ParticipantReady(NoticeValue, frozen=True, omit_defaults=True, tag="ParticipantReady"):
-    """Participant to keeper: the program is ready for views.
+    """Participant to keeper: information that the program is ready for views.
 
     Attributes:
-        run: mark of this run of the program; another run may be another person's. Empty if unknown.
+        run: id of this run of the program. Another run may be for another person. Empty if unknown.
     """
 
     run: str = ""
 
 
 class ParticipantFault(NoticeValue, frozen=True, tag="Failed"):
-    """Participant to keeper, for the record: a plug-in failed, and a built-in participant decided.
+    """Participant to keeper, only for the recording: a plug-in failed, and a built-in participant decided.
 
     Attributes:
         fault: the error.
@@ -161,23 +164,23 @@ class ParticipantFault(NoticeValue, frozen=True, tag="Failed"):
 
 
 class Subscribe(NoticeValue, frozen=True, tag="Subscribe"):
-    """Participant to SimR: subscribe to pose telemetry for the next few seconds."""
+    """Participant to SimR: subscription to pose telemetry for some seconds."""
 
 
 Activity = Literal["resting", "planning", "driving", "waiting", "clearing", "silent"]
-"""Activity of a robot: "waiting" means that it lets another robot pass, "clearing" that it tries to get free."""
+"""Activity of a robot. "waiting": it lets another robot pass. "clearing": it tries to get free."""
 
 
 @dataclass(frozen=True, slots=True)
 class RobotMotion:
-    """Activity and progress of one robot.
+    """Activity and progress of a robot.
 
     Attributes:
-        doing: its activity.
-        waits_for: the robot that it lets pass.
+        doing: activity of the robot.
+        waits_for: the robot that this robot lets pass, or None.
         progress: driven share of the path, 0 to 1; 0 at rest.
-        remaining: meters still to drive; 0 at rest.
-        makes_way_for: the robot with the right of way, while this robot waits for it, drives aside or drives around it.
+        remaining: remaining length of the path, meters; 0 at rest.
+        makes_way_for: the robot with the right of way, if this robot waits for it, drives aside or drives around it.
     """
 
     doing: Activity = "resting"
@@ -189,7 +192,13 @@ class RobotMotion:
 
 @dataclass(frozen=True, slots=True)
 class Ellipse:
-    """Ellipse with 95 % of the probability of a robot's position: half axes in meters; the longer one is at `angle`."""
+    """Ellipse with 95 % of the probability of a robot's position.
+
+    Attributes:
+        major: longer half axis, meters.
+        minor: shorter half axis, meters.
+        angle: angle of the longer half axis, radians.
+    """
 
     major: float
     minor: float
@@ -197,14 +206,14 @@ class Ellipse:
 
 
 class PoseTelemetry(NoticeValue, frozen=True, tag="Whereabouts"):
-    """SimR to subscribers: estimated poses of the robots, and everything else that the study shows; sent often.
+    """SimR to subscribers: estimated poses of the robots, and further data that the study shows. It is sent often.
 
     Attributes:
-        tick: tick of the simulation, 50 per second.
+        tick: tick of the simulation. There are 50 ticks per second.
         poses: estimated x, y, theta of every robot, map frame.
         motions: one entry per robot.
         ellipses: one entry per robot, if the study shows the uncertainty of poses.
-        truth: true x, y, theta of every robot, only if the study shows that.
+        truth: true x, y, theta of every robot, if the study shows true poses.
     """
 
     tick: int
@@ -215,11 +224,11 @@ class PoseTelemetry(NoticeValue, frozen=True, tag="Whereabouts"):
 
 
 class PlannedPaths(NoticeValue, frozen=True, tag="Ways"):
-    """SimR to subscribers: the planned paths ahead of the robots, if the study shows them; whenever they change.
+    """SimR to subscribers: the robots' planned paths, after each change, if the study shows paths.
 
     Attributes:
         tick: tick of the simulation.
-        ways: x, y of each robot's planned path in the map frame, thinned; empty if the robot has no path.
+        ways: x, y of points on each robot's planned path, map frame. Empty if the robot has no path.
     """
 
     tick: int
@@ -231,10 +240,10 @@ class RoomOutline:
     """A room on the map.
 
     Attributes:
-        room: its number, from 1.
+        room: number of the room, from 1.
         name: name for people.
-        region: x, y of the corners of its floor, map frame, meters.
-        goal: x, y, theta of the robots' goal pose in it.
+        region: x, y of the corners of the room's floor, map frame, meters.
+        goal: x, y, theta of the robots' goal pose in the room.
     """
 
     room: int
@@ -244,17 +253,17 @@ class RoomOutline:
 
 
 class FloorPlan(NoticeValue, frozen=True, tag="House"):
-    """Keeper to participant: the floor plan of the game's map; it never changes.
+    """Keeper to participant: the floor plan of the game's map. It never changes.
 
     Attributes:
-        map: its name.
+        map: name of the map.
         resolution: meters per cell.
         origin: x, y, theta of the lower left corner of the cells, map frame.
-        width: cells in a row.
-        height: rows.
-        cells: one byte per cell, 0 free, 1 wall, 2 unknown, row 0 at the origin; packed with zlib, in base 64.
-        rooms: room 1 first.
-        footprint: x, y of the corners of a robot's body, its own frame, meters.
+        width: number of cells in a row.
+        height: number of rows.
+        cells: one byte per cell (0 free, 1 wall, 2 unknown), row 0 at the origin, compressed with zlib, in base 64.
+        rooms: outlines of the rooms, in order.
+        footprint: x, y of the corners of a robot's body in its own frame, meters.
     """
 
     map: str
@@ -273,11 +282,11 @@ class FloorPlan(NoticeValue, frozen=True, tag="House"):
 
 
 class GameTexts(NoticeValue, frozen=True, tag="Texts"):
-    """Keeper to participant: all texts of the game's language; they never change.
+    """Keeper to participant: all texts of the game's language. They never change.
 
     Attributes:
         language: name of the language.
-        packed: the texts as JSON, packed with zlib, in base 64.
+        packed: the texts as JSON, compressed with zlib, in base 64.
     """
 
     language: str
@@ -285,11 +294,11 @@ class GameTexts(NoticeValue, frozen=True, tag="Texts"):
 
     @classmethod
     def of(cls, texts: Texts) -> Self:
-        """Pack the texts of a language."""
+        """Return the notice with the texts of a language."""
         return cls(texts.language, base64.b64encode(zlib.compress(msgspec.json.encode(texts), 9)).decode("ascii"))
 
     def texts(self) -> Texts | None:
-        """Return the texts; None if they are malformed."""
+        """Return the texts, or None if they are malformed."""
         try:
             unpacker = zlib.decompressobj()
             unpacked = unpacker.decompress(base64.b64decode(self.packed, validate=True), LARGEST_TEXTS)
@@ -299,14 +308,14 @@ class GameTexts(NoticeValue, frozen=True, tag="Texts"):
 
 
 class PicturePiece(NoticeValue, frozen=True, tag="Picture"):
-    """Keeper to participant: a piece of the picture that was taken in a room.
+    """Keeper to participant: a piece of the picture from a room.
 
     Attributes:
         game: number of the game.
-        room: its number, from 1.
+        room: number of the room, from 1.
         piece: number of the piece, from 0.
         pieces: number of all pieces.
-        data: the bytes of this piece of the image file, in base 64.
+        data: bytes of this piece of the image file, in base 64.
     """
 
     game: int
@@ -317,21 +326,24 @@ class PicturePiece(NoticeValue, frozen=True, tag="Picture"):
 
 
 class ConsentQuery(NoticeValue, frozen=True, tag="MayRecord"):
-    """SimR to keeper: asks if the participant may be recorded, now and after every change."""
+    """SimR to keeper: question about permission to record the participant. The keeper answers now and after every
+    change.
+    """
 
 
 class RecordingPermission(NoticeValue, frozen=True, tag="Recordable"):
-    """Keeper to SimR, in answer to `ConsentQuery`.
+    """Keeper to SimR: the answer to `ConsentQuery`.
 
     Attributes:
-        granted: True if the participant has agreed to take part, the study does not ask, or their program cannot ask.
+        granted: True if the participant has agreed to take part, the study does not ask for consent, or their program
+            cannot ask.
     """
 
     granted: bool
 
 
 class TeamRejection(NoticeValue, frozen=True, tag="Unfit"):
-    """Keeper to SimR: these robots do not fit the game in progress; SimR ends."""
+    """Keeper to SimR: these robots do not match the open game. SimR then ends."""
 
     sentence: str
 

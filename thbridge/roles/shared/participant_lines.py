@@ -1,4 +1,4 @@
-"""Lines of the participant's requests: a line of 2016 if one exists, otherwise a notice to the keeper."""
+"""Conversion of the participant's requests to text lines, and of lines of 2016 to requests."""
 
 from thbridge.hunt.rooms import Room
 from thbridge.roles.shared.notices import KEEPER
@@ -13,11 +13,11 @@ LineRequest = SendRobot | SenseTreasure | TakePicture | IdentifyTreasure
 
 
 def encode_request_line(request: ParticipantRequest, number: int | None = None) -> TextMessage:
-    """Return the message for a request: a line of 2016 if one exists, otherwise a notice to the keeper.
+    """Return the message for a request: a line of 2016 if there is such a line, otherwise a notice to the keeper.
 
     Args:
         request: the request.
-        number: number of the request, the same in each repetition; lines of 2016 have none.
+        number: number of the request, which is the same in each repetition. Lines of 2016 have no number.
     """
     match request:
         case SendRobot(robot, room):
@@ -33,7 +33,7 @@ def encode_request_line(request: ParticipantRequest, number: int | None = None) 
 
 
 def decode_request_line(line: Forwarded) -> LineRequest | None:
-    """Return the request in a line of 2016 to any receiver; None if the line contains no request."""
+    """Return the request in a line of 2016 to any receiver, or None if the line contains no request."""
     match line.legacy_value:
         case legacy.GotoRoom(robot, room):
             return SendRobot(robot, Room.of_wire(room).people)

@@ -1,9 +1,9 @@
-"""Rules for the participant's requests: the game's own rules, and the rules about dialogues and agreements.
+"""Rules for the participant's requests: the rules of the game, and rules about dialogues and agreements.
 
-`judge` decides if the participant may do something. The keeper applies it to the game itself. A window applies it to
-the part of the game that its view reveals (`revealed`), so that it offers what the keeper will grant. That part
-contains everything that these rules read, with two exceptions. It does not show that Hider is still about to hide the
-treasures (for a few ticks), or that a Hider of 2016 does not reveal them.
+`judge` decides whether the keeper grants a request. The keeper calls `judge` with the state of the game. A window calls
+it with the situation that its view reveals (`revealed`), so that it offers only requests that the keeper will grant. A
+view contains all data for these rules, with two exceptions: in the first ticks, Hider may not have hidden the treasures
+yet, and a Hider of 2016 does not reveal them.
 """
 
 import math
@@ -55,7 +55,7 @@ JudgedRequest: TypeAlias = (
 
 
 class KeeperReason(StrEnum):
-    """Reason of the keeper for refusing something that the game's own rules allow."""
+    """Reason why the keeper refuses a request that the rules of the game allow."""
 
     NO_CONSENSUS = "no-consensus"
     NOT_READY = "not-ready"
@@ -66,7 +66,7 @@ class KeeperReason(StrEnum):
 
 
 class Discussed(NamedTuple):
-    """Matter that robot and participant discuss, or have agreed on but not carried out yet."""
+    """Matter of an open dialogue, or of an agreement that is not carried out yet."""
 
     robot: int
     matter: DialogueMatter
@@ -75,12 +75,12 @@ class Discussed(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Situation:
-    """All facts that decide about a request.
+    """All facts that the decision about a request depends on.
 
     Attributes:
         state: state of the game.
-        discussed: matters of open dialogues, then matters of agreements.
-        awaits_treasures: True while Hider is about to hide the treasures; until then no robot is sent.
+        discussed: matters of open dialogues, followed by matters of agreements.
+        awaits_treasures: True if Hider has not hidden the treasures yet. Then no robot is sent.
     """
 
     state: GameState
@@ -89,7 +89,7 @@ class Situation:
 
 
 def judge(now: Situation, request: JudgedRequest) -> rules.Ruling:
-    """Return a refusal or events; for a request to open a dialogue, the events that would follow an agreement."""
+    """Return the events of a request, or a refusal. For a new dialogue, return the events after an agreement."""
     state = now.state
     match request:
         case SelectRoom(robot, room):
@@ -115,13 +115,13 @@ def judge(now: Situation, request: JudgedRequest) -> rules.Ruling:
 
 
 def other_candidate(discussed: Sequence[Discussed], room: Room, robot: int) -> int | None:
-    """Return another robot for which going to this room is discussed or agreed, or None."""
+    """Return another robot with a dialogue or agreement about a move to this room, or None."""
     others = (about.robot for about in discussed if (about.matter, about.room) == ("select-room", room.people))
     return next((other for other in others if other != robot), None)
 
 
 def free_to_discuss(now: Situation, robot: int) -> list[Room]:
-    """Return the rooms that are not visited, not reserved, and not discussed with other robots."""
+    """Return the rooms that are neither visited, nor reserved, nor discussed with other robots."""
     return [room for room in now.state.free_rooms if other_candidate(now.discussed, room, robot) is None]
 
 
@@ -131,9 +131,9 @@ def place(number: int) -> Room:
 
 
 def revealed(view: View) -> Situation:
-    """Return the situation as far as a view reveals it.
+    """Return the situation that a view reveals.
 
-    The other parts are empty, and no rule in this module reads them.
+    Unknown data are empty. The rules in this module do not use them.
     """
     matters: list[DialogueView | Consent] = [*view.dialogues, *view.consents]
     started = GameStarted(
@@ -155,8 +155,7 @@ def revealed(view: View) -> Situation:
         robots=tuple(_robot(view, robot) for robot in view.robots),
         rooms=tuple(_room(room) for room in view.rooms),
         score=view.score,
-        # The reason does not matter, because rules only read that the game has ended; a later release may have unknown
-        # reasons.
+        # Rules do not use the reason. A later release may have unknown reasons.
         ended=None if view.over is None else GameEnded(EndReason.GIVEN_UP, view.score),
         agreed=view.consent is None,
         by_position=view.by_position,
@@ -173,7 +172,7 @@ def _select(now: Situation, robot: int, room: Room) -> rules.Ruling:
 
 
 def _immovable(now: Situation, robot: int) -> RequestRefused | None:
-    """Return the reason why this robot cannot make any move, or None."""
+    """Return the reason why a robot cannot make any move, or None."""
     if now.awaits_treasures:
         return RequestRefused(KeeperReason.NOT_READY, "The treasures are not hidden yet.")
     ruling = rules.move(now.state, robot, next(iter(now.state.free_rooms), Room(1)))
@@ -182,7 +181,7 @@ def _immovable(now: Situation, robot: int) -> RequestRefused | None:
 
 
 def _no_advice(now: Situation, robot: int) -> RequestRefused | None:
-    """Return the reason why this robot cannot suggest any room, or None."""
+    """Return the reason why a robot cannot suggest any room, or None."""
     adviser = now.state.robots[robot]
     return why_no_tour(now.state.costs_from(robot), adviser.at, free_to_discuss(now, robot), adviser.energy)
 
@@ -192,7 +191,7 @@ def _discuss(state: GameState, robot: int, matter: str, room: Room) -> rules.Rul
         return RequestRefused(rules.RuleReason.NOBODY_THERE, f"This robot does not stand in {room}.")
     if matter == "take-picture":
         return rules.picture(state, room)
-    # The name does not matter: this checks only that naming is allowed and that the energy suffices.
+    # The name does not matter. This only checks whether naming is allowed and the robot has enough energy.
     return rules.identify(state, room, "", 0)
 
 

@@ -1,4 +1,4 @@
-"""Requests to robots and game, not from the participant: from ROS clients, researchers' windows, ground stations."""
+"""Requests to robots and the game from ROS clients, researchers' windows and ground stations."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,19 +16,20 @@ from thbridge.ros.messages.records import (
 )
 
 ParameterValue = bool | int | float | str | None
-"""Value of one parameter; a list of corners is text, `[[x, y], ...]`."""
+"""Value of a parameter. A list of corners is a text, `[[x, y], ...]`."""
 
 
 @dataclass(frozen=True, slots=True)
 class SetParameters:
-    """Change parameters of a robot's software, or the noise of its true sensors, while it runs.
+    """Change parameters of a robot's software or of its true sensor noise during the session.
 
-    Unlike `SetSoftwareParameters` it contains only the changes, so it also fits robots with different parameters.
+    Unlike `SetSoftwareParameters`, this request contains only the changed values. So it is valid for robots with
+    different parameters.
 
     Attributes:
         robot: index in the team, from 0.
-        values: new values by path, such as `amcl.kld_err` or `world.laser.range_noise`. Either all are changed, or
-            none.
+        values: new values, by path, such as `amcl.kld_err` or `world.laser.range_noise`. Either all values are changed,
+            or none.
     """
 
     robot: int
@@ -41,8 +42,8 @@ class WizardMode:
 
     Attributes:
         robot: index in the team, from 0.
-        on: True makes its turns in dialogues wait for `WizardMove`, and its advice for `WizardAdvice`. False lets its
-            strategy decide pending turns at once, and all later turns.
+        on: if True, the robot's turns wait for `WizardMove`, and its advice waits for `WizardAdvice`. If False, its
+            strategy decides pending turns at once, and all later turns.
     """
 
     robot: int
@@ -51,13 +52,13 @@ class WizardMode:
 
 @dataclass(frozen=True, slots=True)
 class WizardMove:
-    """Make the next move of a robot in place of its strategy.
+    """Make the next move of a robot instead of its strategy.
 
     Attributes:
         dialogue: number of the dialogue.
-        turn: index of the move in the dialogue, from 0; a move for a past turn changes nothing.
-        move: index among the legal moves, from 0.
-        text: replaces the sentence of the move; if empty, that sentence is used.
+        turn: index of the move in the dialogue, from 0. A move for an earlier turn is ignored.
+        move: index of the move among the legal moves, from 0.
+        text: sentence for the move. If empty, the move's own sentence is used.
     """
 
     dialogue: int
@@ -68,11 +69,11 @@ class WizardMove:
 
 @dataclass(frozen=True, slots=True)
 class WizardAdvice:
-    """Answer a participant's pending "don't know" in the robot's place.
+    """Answer a participant's pending "don't know" for a robot.
 
     Attributes:
         robot: index in the team, from 0.
-        room: the room to suggest, from 1.
+        room: number of the suggested room, from 1.
     """
 
     robot: int
@@ -85,7 +86,7 @@ class TakeCommand:
 
     Attributes:
         robot: index in the team, from 0; also in the requests below.
-        name: name of the ground station within a sentence, for people.
+        name: name of the ground station for sentences.
     """
 
     robot: int
@@ -94,14 +95,14 @@ class TakeCommand:
 
 @dataclass(frozen=True, slots=True)
 class ReleaseCommand:
-    """The ground station that commands a robot gives it back to the participant."""
+    """The ground station that commands a robot gives the robot back to the participant."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class StationSend:
-    """The ground station that commands a robot sends it to a room, by the game's rules and without a dialogue.
+    """The ground station that commands a robot sends it to a room. The rules of the game apply; there is no dialogue.
 
     Attributes:
         room: number of the room, from 1.
@@ -113,21 +114,21 @@ class StationSend:
 
 @dataclass(frozen=True, slots=True)
 class StationStop:
-    """Stop a robot that drives for the game. Any ground station may request that, even without command of the robot."""
+    """Stop a robot's move of the game. Every ground station may request this, even without command of the robot."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class StationTakePicture:
-    """The ground station that commands a robot takes a picture where the robot stands."""
+    """The ground station that commands a robot takes a picture in the robot's room."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class StationIdentify:
-    """The ground station that commands a robot names the treasure where the robot stands."""
+    """The ground station that commands a robot names the treasure in the robot's room."""
 
     robot: int
     name: str
@@ -135,7 +136,7 @@ class StationIdentify:
 
 @dataclass(frozen=True, slots=True)
 class StationLeave:
-    """The ground station that commands a robot leaves the treasure where the robot stands."""
+    """The ground station that commands a robot leaves the treasure in the robot's room."""
 
     robot: int
 
@@ -155,7 +156,7 @@ class SetRate:
     """Set the rate of simulated time.
 
     Attributes:
-        rate: simulated seconds per second; 0 runs as fast as possible.
+        rate: simulated seconds per second of real time. 0 means as fast as possible.
     """
 
     rate: float
@@ -163,7 +164,7 @@ class SetRate:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """Run some ticks, then pause.
+    """Run some ticks, and then pause.
 
     Attributes:
         ticks: number of ticks, at least 1.
@@ -173,24 +174,24 @@ class Step:
 
 
 PaceRequest = Pause | Resume | SetRate | Step
-"""A request about a session's pace. It acts at once and changes no result, so it is not an input."""
+"""A request about the pace of a session. It acts at once and does not change results, so it is not an input."""
 
 WizardRequest = WizardMode | WizardMove | WizardAdvice
-"""A request of a person who speaks in a robot's place (Wizard-of-Oz); acts in the next tick."""
+"""A request of a person who speaks for a robot (Wizard-of-Oz). It acts in the next tick."""
 
 CommandRequest = (
     TakeCommand | ReleaseCommand | StationSend | StationStop | StationTakePicture | StationIdentify | StationLeave
 )
-"""A request of a ground station to the game; acts in the next tick. A request that the rules refuse is dropped."""
+"""A request of a ground station to the game. It acts in the next tick. Refused requests are dropped."""
 
 GameRequest = WizardRequest | CommandRequest
-"""A request to the game that does not come from the participant."""
+"""A request to the game from another party than the participant."""
 
 RobotRequest = TeamInput | GraphRequest | SetParameters
-"""A request to a robot; acts in the next tick. It delays a move of the game, but does not end it."""
+"""A request to a robot. It acts in the next tick. It delays a move of the game, but does not end the move."""
 
 Request = RobotRequest | GameRequest
-"""Any request to a session that is recorded as an input."""
+"""A request to a session that is recorded as an input."""
 
 REQUESTS: dict[str, type[Request]] = {
     **TEAM_INPUTS,
@@ -211,19 +212,19 @@ REQUESTS: dict[str, type[Request]] = {
     "IdentifyFor": StationIdentify,
     "LeaveFor": StationLeave,
 }
-"""Requests by their names in recordings and at the watch port. These names never change."""
+"""Request types, by their names in recordings and at the watch port. These names never change."""
 
 PACE_REQUESTS: dict[str, type[PaceRequest]] = {"Pause": Pause, "Resume": Resume, "SetRate": SetRate, "Step": Step}
-"""Requests about the pace by their names at the watch port."""
+"""Request types for the pace, by their names at the watch port."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tuning:
-    """All parameters of one robot that may be changed while it runs.
+    """All parameters of a robot that may be changed during a session.
 
     Attributes:
-        software: parameters of its software.
-        world: true properties of its body, motors and sensors.
+        software: parameters of the robot's software.
+        world: true properties of the robot's body, motors and sensors.
     """
 
     software: RobotParameters
@@ -243,9 +244,9 @@ class Tuning:
 
 
 def with_values(parameters: P, values: Sequence[tuple[str, ParameterValue]]) -> P | ParameterRejection:
-    """Return the parameters with all these values, or the reason why one value is rejected.
+    """Return the parameters with all these values, or the reason why a value is rejected.
 
-    The order of values does not matter: a new minimum above the old maximum waits until the new maximum is set.
+    The order of values does not matter. For example, a new minimum above the old maximum is set after the new maximum.
     """
     left = tuple(values)
     while left:

@@ -1,4 +1,4 @@
-"""Additional interface of the robots' role to a session: it takes requests and returns the state of the team."""
+"""Additional interface of the robots' role for a session: requests to robots, and the state of the team."""
 
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
@@ -11,16 +11,16 @@ if TYPE_CHECKING:
 
 @runtime_checkable
 class RobotsRole(Role, Protocol):
-    """The role of a team of robots, simulated or real."""
+    """Role of a team of simulated or real robots."""
 
     @property
     def snapshot(self) -> "TeamSnapshot | None":
-        """The team after the last step; None before the first."""
+        """The team after the last step, or None before the first step."""
 
     def ask(self, request: RobotRequest, researcher: str | None = None) -> None:
-        """Queue a request for the next step, before the messages of that step; a move of the game resumes afterwards.
+        """Queue a request for the next step, before the messages of that step. A move of the game resumes afterwards.
 
         Args:
             request: the request.
-            researcher: name of the researcher who intervenes with it, and so commands the robot; None if none does.
+            researcher: name of the researcher who intervenes and thereby commands the robot, or None.
         """

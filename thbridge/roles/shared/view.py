@@ -1,8 +1,8 @@
-"""The participant's view of the game, and the participant's requests: everything that keeper and participant exchange.
+"""The participant's view of the game, and the participant's requests to the keeper.
 
-A view is an allow-list. Each field is copied explicitly from what the game has revealed. A treasure's kind, picture or
-room is included only once the rules reveal it. A view contains the state and not a change, so a program that missed
-some views is up to date with the next one.
+A view is an allow-list: each field is a copy of data that the game has revealed. A treasure's kind, picture or room is
+included only after the rules reveal it. A view contains the complete state instead of changes. So a program that missed
+some views has the present state after the next view.
 """
 
 from collections.abc import Mapping
@@ -19,19 +19,21 @@ from thbridge.text_protocol.wire.notice import COUNTED, Notice, NoticeValue, dec
 
 @dataclass(frozen=True, slots=True)
 class RobotView:
-    """One robot in the game.
+    """A robot in the game.
 
     Attributes:
-        robot: index in the team, from 0; people count from 1.
-        place: room in which it stands, from 1, or 0 for the corridor; while it moves, the room where it started.
-        moving_to: room to which it drives; None at rest.
-        energy: energy left.
-        blocked: True if it has no energy left and can do nothing more.
-        condition: well, lost or silent; a silent robot cannot do anything until it responds again.
-        commander: commander of the robot. Unless it is the participant, they can neither send nor stop the robot.
-        commander_name: name of the ground station that commands it, for people; otherwise empty.
-        asked_back: True if the participant has recently asked for it back; until it is False they cannot ask again.
-        costs: energy to each place from where it stands, like a row of the view's costs; if empty, the row of `place`.
+        robot: index of the robot, from 0. For people, robots have numbers from 1.
+        place: number of the robot's room, or 0 for the corridor. During a move, the start of the move.
+        moving_to: destination of the move, or None at rest.
+        energy: remaining energy.
+        blocked: True if the robot has no energy and cannot act any more.
+        condition: well, lost or silent. A silent robot cannot act until it responds again.
+        commander: commander of the robot. If this is not the participant, they can neither send nor stop the robot.
+        commander_name: name of the commanding ground station, for people; otherwise empty.
+        asked_back: True if the participant has recently asked the commander to give the robot back. Then they cannot
+            ask again.
+        costs: energy to each place from the robot's position, like a row of the view's costs. If empty, use the row of
+            `place`.
     """
 
     robot: int
@@ -47,13 +49,13 @@ class RobotView:
 
     @property
     def has_other_commander(self) -> bool:
-        """True when it is not commanded by the participant."""
+        """True if the participant does not command the robot."""
         return self.commander is not Commander.PARTICIPANT
 
 
 @dataclass(frozen=True, slots=True)
 class IdentificationVerdict:
-    """Result of an identification."""
+    """Result of naming a treasure: the name and the points."""
 
     name: str
     points: int
@@ -61,17 +63,17 @@ class IdentificationVerdict:
 
 @dataclass(frozen=True, slots=True)
 class RoomView:
-    """One room, with the team's knowledge about it.
+    """A room, with the team's knowledge about it.
 
     Attributes:
-        room: its number, from 1.
-        state: "reserved" while a robot drives to it.
-        robot: the robot that drives to it, stands there, or found the undecided treasure there.
-        sensed: properties of its treasure that robots sensed, by name; None before that.
-        told: properties that the participant entered.
-        picture: file name of its picture, once taken.
-        verdict: result of its identification, once identified.
-        left: True when the treasure was left and not taken up again.
+        room: number of the room, from 1.
+        state: state of the room. "reserved" means that a robot is driving to it.
+        robot: the robot that is driving to the room, is in the room, or found the undecided treasure there.
+        sensed: properties of the treasure that robots sensed, by name. None before the first sensing.
+        `told`: properties of the treasure that the participant entered.
+        picture: file name of the picture, or None before it was taken.
+        verdict: result of naming the treasure, or None before.
+        left: True if the participant has left the treasure undecided.
     """
 
     room: int
@@ -85,23 +87,23 @@ class RoomView:
 
     @property
     def found(self) -> bool:
-        """True when a robot has sensed its treasure."""
+        """True if a robot has sensed the treasure."""
         return self.sensed is not None
 
     @property
     def known(self) -> Properties:
-        """Known properties of its treasure, both sensed and entered."""
+        """Known properties of the treasure, sensed and entered."""
         return {**(self.sensed or {}), **self.told}
 
     @property
     def undecided(self) -> bool:
-        """True when the room is visited and its treasure is neither identified nor left."""
+        """True if the room is visited and its treasure is neither named nor left."""
         return self.state == "visited" and self.verdict is None and not self.left
 
 
 @dataclass(frozen=True, slots=True)
 class RoomDebrief:
-    """Treasure of a room, shown after the game: its name, and the points for naming it."""
+    """Treasure of a room, shown after the game: its name, and the points for the right name."""
 
     room: int
     name: str
@@ -113,9 +115,10 @@ class Debrief:
     """Debrief of participants after the game.
 
     Attributes:
-        rooms: the treasure of each room; empty if the study does not show it, or the keeper does not know it.
-        best: most points that could have been won with the same energy; None if not shown or unknown.
-        farewell: thanks, and the next steps; if empty, the window's own words are used.
+        rooms: the treasure of each room. Empty if the study does not show the treasures or the keeper does not know
+            them.
+        best: best possible score with the same energy, or None if it is unknown or not shown.
+        farewell: thanks, and the next steps. If empty, the window uses its own text.
     """
 
     rooms: tuple[RoomDebrief, ...] = ()
@@ -124,24 +127,24 @@ class Debrief:
 
 
 DialogueMatter = Literal["select-room", "take-picture", "take-treasure"]
-"""Matter of a dialogue: one of the three scenarios of the 2016 study."""
+"""Matter of a dialogue, as in the three scenarios of the 2016 study."""
 
 
 @dataclass(frozen=True, slots=True)
 class DialogueView:
-    """A dialogue that waits for the participant.
+    """An open dialogue.
 
     Attributes:
-        dialogue: its number.
-        turn: number of moves so far. An answer must contain this number, so that no answer counts twice.
+        dialogue: number of the dialogue.
+        turn: number of previous moves. An answer must contain this number, so that no answer counts twice.
         robot: index of the robot, from 0.
         matter: matter of the dialogue.
-        room: number of the room it is about.
-        said: all sentences so far, oldest first; the robot waits for an answer to the last.
-        choices: possible answers of the participant, most agreeable first; empty while it is the robot's turn.
-        acts: move of each choice, by its name in recordings, for programs; empty from servers that do not send it.
-        speakers: speaker of each sentence; empty from servers that do not send it.
-        suggested: True if the robot has suggested the room. Asking for its advice again then changes nothing.
+        room: number of the room in the dialogue.
+        said: all previous sentences, oldest first.
+        choices: possible answers of the participant, most agreeable first. Empty during the robot's turn.
+        acts: move of each choice, by its name in recordings, for programs. Empty from servers that do not send acts.
+        speakers: speaker of each sentence. Empty from servers that do not send speakers.
+        suggested: True if the robot suggested the room. Then a request for its advice has no effect.
     """
 
     dialogue: int
@@ -158,19 +161,19 @@ class DialogueView:
 
 @dataclass(frozen=True, slots=True)
 class LastWords:
-    """A dialogue that has ended.
+    """An ended dialogue.
 
-    It is shown until the participant talks with its robot again, or the agreement is carried out.
+    It is shown until the next dialogue with this robot, or until the agreement is carried out.
 
     Attributes:
-        dialogue: its number.
+        dialogue: number of the dialogue.
         robot: index of the robot, from 0.
         matter: matter of the dialogue.
-        room: number of the room that was agreed upon; without an agreement, of the room it was about.
-        said: all sentences, oldest first; empty if everything had been said before.
+        room: number of the agreed room. Without an agreement, number of the room in the dialogue.
+        said: all sentences, oldest first. Empty if there were no new sentences.
         speakers: speaker of each sentence.
-        agreed: True when the matter is carried out, by decision of the side that has the last word.
-        is_told: True when the robot itself has said what happens next.
+        agreed: True if the decision is carried out. The side with the last word has decided this.
+        is_told: True if a sentence of the robot states the next event.
     """
 
     dialogue: int
@@ -185,13 +188,13 @@ class LastWords:
 
 @dataclass(frozen=True, slots=True)
 class Consent:
-    """Agreement of participant and robot, on which the participant may now act.
+    """Agreement between the participant and a robot. The participant may now carry it out.
 
     Attributes:
         robot: index of the robot, from 0.
-        matter: matter that they agreed on.
-        room: number of the room it is about.
-        name: name of the treasure, if they agreed on one; empty for any name.
+        matter: matter of the agreement.
+        room: number of the room in the agreement.
+        name: agreed name of the treasure. Empty if any name is possible.
     """
 
     robot: int
@@ -202,13 +205,13 @@ class Consent:
 
 @dataclass(frozen=True, slots=True)
 class RefusalView:
-    """The participant's last request that was refused.
+    """The participant's last refused request.
 
     Attributes:
-        number: count of refusals; it distinguishes two equal refusals.
+        number: number of the refusal, from 1. It distinguishes equal refusals.
         wish: kind of the request.
-        reason: a code for programs.
-        sentence: the reason, for people.
+        reason: code of the reason, for programs.
+        sentence: reason for people.
     """
 
     number: int
@@ -218,35 +221,36 @@ class RefusalView:
 
 
 class View(NoticeValue, frozen=True, tag="View"):
-    """The game as the participant may see it.
+    """All game data that the participant may see.
 
     Attributes:
-        game: number of the game, from 1; 0 before the first begins.
-        ready: True when the robots are connected; until then every request is refused.
-        costs: energy of a move, [from][to], by room numbers, 0 for the corridor; None where there is no move.
-        robots: in the team's order.
-        rooms: room 1 first.
+        game: number of the game, from 1; 0 before the first game.
+        ready: True if the robots are connected. If False, every request is refused.
+        costs: energy of each move, [from][to], by room number, with 0 for the corridor. None if there is no move.
+        robots: robots in the order of the team.
+        rooms: rooms in order.
         dialogues: open dialogues.
-        consents: agreements on which the participant has not acted yet.
-        score: points so far.
-        over: reason for the game's end; None while it continues.
+        consents: agreements that are not carried out yet.
+        score: present score.
+        over: reason for the end of the game, or None during the game.
         picture_cost: energy of taking a picture.
         identify_cost: energy of naming a treasure.
-        refusal: the last refused request.
-        names: possible names of treasures, in alphabetical order; empty until the first treasure was sensed.
-        called: words for the shown names, in the participant's language; see `word_for`.
-        consent: text to which the participant has to agree first; None when they have agreed, or need not agree.
-        thinking: robots that were asked where to go and have not answered yet.
-        debrief: shown once the game is over.
-        worth: points of the treasure of each name in `names`, None if treasures of that name differ; empty if the study
-            does not show points.
-        wrong_share: share of a treasure's points that a wrong name costs; None if the study does not show it.
+        refusal: the last refused request, or None.
+        names: possible names of treasures, in alphabetical order. Empty before the first treasure was sensed.
+        called: words for these names in the participant's language; see `word_for`.
+        consent: text that the participant must agree to first. None if they have agreed, or if no consent is needed.
+        thinking: robots that were asked for advice and have not answered yet.
+        debrief: data that are shown after the game, or None.
+        worth: points for each name in `names`, or None if treasures with this name have different points. Empty if the
+            study does not show points.
+        wrong_share: points that a wrong name costs, as a share of the treasure's points. None if the study does not
+            show this share.
         sound: True if the window may play sounds.
         properties: properties of treasures, with words for their values in the participant's language.
-        last_words: last words of robots that argue.
-        has_last_word: the side that decides in the end, if robots argue; otherwise None.
-        by_position: True if the robot's position determines the price of moves that start outside rooms. Then the row
-            of the corridor applies nowhere.
+        last_words: last sentences of dialogues with arguing robots.
+        has_last_word: the side with the last word in dialogues with arguing robots, otherwise None.
+        by_position: True if the price of a move from outside the rooms depends on the robot's position. Then the row of
+            the corridor is not used.
     """
 
     game: int
@@ -275,7 +279,7 @@ class View(NoticeValue, frozen=True, tag="View"):
     called: Mapping[str, str] = msgspec.field(default_factory=dict)
 
     def word_for(self, name: str) -> str:
-        """Return a treasure's name in the words that are shown to the participant."""
+        """Return the words for a treasure's name that the participant sees."""
         return self.called.get(name) or name_in_words(name)
 
     def room(self, number: int) -> RoomView:
@@ -283,23 +287,24 @@ class View(NoticeValue, frozen=True, tag="View"):
         return self.rooms[number - 1]
 
     def costs_from(self, robot: RobotView) -> tuple[float | None, ...]:
-        """Return the energy of a robot's moves, by room number; while it moves, from where it started."""
+        """Return the energy of a robot's moves, by room number. During a move, return the energy from its start."""
         return robot.costs or self.costs[robot.place]
 
     def costs_when_stopped(self) -> tuple[float | None, ...] | None:
-        """Return the energy of moves of a robot that is stopped while moving; None if it depends on the robot's
-        position."""
+        """Return the energy of moves of a robot that is stopped during a move.
+
+        Return None if this energy depends on the robot's position.
+        """
         return None if self.by_position else self.costs[0]
 
     @classmethod
     def of_notice(cls, notice: Notice) -> "View | None":
-        """Return the view in a notice; None if there is no view, or a malformed one, for example from another
-        release."""
+        """Return the view in a notice. Return None if there is no valid view, for example from another release."""
         view = decode_notice(notice, cls)
         return view if view is not None and view.is_consistent() else None
 
     def is_consistent(self) -> bool:
-        """Return True when every robot and room named in the view is also part of it, and no cost is negative."""
+        """Return True if the view has all robots and rooms that it mentions, and no cost is negative."""
         places, robots = range(len(self.rooms) + 1), range(len(self.robots))
         rooms = places[1:]
         matters: list[DialogueView | Consent | LastWords] = [*self.dialogues, *self.consents, *self.last_words]
@@ -330,7 +335,7 @@ class View(NoticeValue, frozen=True, tag="View"):
 
 
 class SelectRoom(NoticeValue, frozen=True, tag="Select"):
-    """Ask a robot to go to this room; this opens a dialogue."""
+    """Ask a robot to drive to this room. This opens a dialogue."""
 
     robot: int
     room: int
@@ -343,7 +348,7 @@ class RequestSuggestion(NoticeValue, frozen=True, tag="Unsure"):
 
 
 class AnswerDialogue(NoticeValue, frozen=True, tag="Answer"):
-    """Make a choice, counted from 0, at this turn of a dialogue."""
+    """Choose an answer (number from 0) at this turn of a dialogue."""
 
     dialogue: int
     turn: int
@@ -358,13 +363,13 @@ class SendRobot(NoticeValue, frozen=True, tag="SendRobot"):
 
 
 class StopRobot(NoticeValue, frozen=True, tag="CallBack"):
-    """Stop a robot that drives to a room."""
+    """Stop a robot that is driving to a room."""
 
     robot: int
 
 
 class RequestHandback(NoticeValue, frozen=True, tag="AskBack"):
-    """Ask the commander of a robot to give it back."""
+    """Ask the commander of a robot to give the robot back."""
 
     robot: int
 
@@ -376,14 +381,14 @@ class SenseTreasure(NoticeValue, frozen=True, tag="Sense"):
 
 
 class MeasureProperty(NoticeValue, frozen=True, tag="Measure"):
-    """Let the robot in a room sense another property of the treasure there, at a cost in energy."""
+    """Let the robot in a room sense a further property of the treasure, for energy."""
 
     room: int
     property: str
 
 
 class TellProperty(NoticeValue, frozen=True, tag="Tell"):
-    """Enter a property of the treasure in a room that only people can recognize."""
+    """Enter a property of the treasure in a room. Only people can recognize this property."""
 
     room: int
     property: str
@@ -391,13 +396,13 @@ class TellProperty(NoticeValue, frozen=True, tag="Tell"):
 
 
 class OpenDialogue(NoticeValue, frozen=True, tag="Discuss"):
-    """Open a dialogue about taking a picture, or the treasure.
+    """Open a dialogue about taking a picture or about the name of a treasure.
 
     Attributes:
         robot: index of the robot, from 0.
         matter: matter of the dialogue.
-        room: where the treasure is.
-        name: proposed name of the treasure. If empty, the participant asks the robot what it is. If None, the
+        room: room of the treasure.
+        name: proposed name of the treasure. If empty, the participant asks the robot for the name. If None, the
             participant proposes no name.
     """
 
@@ -427,25 +432,25 @@ class LeaveTreasure(NoticeValue, frozen=True, tag="Leave"):
 
 
 class TakeUpTreasure(NoticeValue, frozen=True, tag="TakeUp"):
-    """Take up a treasure that was left, while its robot still stands there."""
+    """Return to a treasure that was left. A robot must be in the room."""
 
     room: int
 
 
 class EndGame(NoticeValue, frozen=True, tag="GiveUp"):
-    """End this game although robots could still do something."""
+    """End this game early."""
 
     game: int
 
 
 class PlayAgain(NoticeValue, frozen=True, tag="PlayAgain"):
-    """Begin a new game once this one is over."""
+    """Begin a new game after the end of this game."""
 
     game: int
 
 
 class GiveConsent(NoticeValue, frozen=True, omit_defaults=True, tag="Agree"):
-    """Agree to take part in the study, as `View.consent` asks.
+    """Agree to take part in the study, after the text in `View.consent`.
 
     Attributes:
         at: time at which the participant agreed, ISO 8601 in UTC; empty if the program has no clock.
@@ -455,7 +460,7 @@ class GiveConsent(NoticeValue, frozen=True, omit_defaults=True, tag="Agree"):
 
 
 class DeclineConsent(NoticeValue, frozen=True, tag="Decline"):
-    """Do not agree to take part in the study. The participant's program then leaves."""
+    """Decline to take part in the study. The participant's program then leaves."""
 
 
 ParticipantRequest = (
@@ -480,7 +485,7 @@ ParticipantRequest = (
 
 
 def refusal_wishes(request: ParticipantRequest) -> tuple[str, ...]:
-    """Return the values of `RefusalView.wish` for this request; the refusal of a dialogue may have its matter there."""
+    """Return the possible values of `RefusalView.wish` for this request. For a dialogue, this may be its matter."""
     match request:
         case SelectRoom() | RequestSuggestion():
             return ("select-room", kind_of(type(request)))

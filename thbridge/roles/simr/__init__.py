@@ -1,1 +1,1 @@
-"""SimR, the robots' program: drives a team as the keeper orders, and sends pose telemetry."""
+"""SimR: the robots' program. It drives a team by the keeper's orders, and sends pose telemetry."""

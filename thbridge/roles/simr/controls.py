@@ -1,4 +1,4 @@
-"""Controls of the robots: requests from outside the game, and their effects."""
+"""Requests to the robots from outside the game, and their effects."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -24,25 +24,25 @@ from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 
 MANUAL_DRIVE_TICKS = TICKS_PER_SECOND // 2
-"""Ticks that one command of manual driving lasts; then the base stops, as real bases do."""
+"""Number of ticks for which a command of manual driving is valid. Then the base stops, like real bases."""
 
 
 @dataclass(frozen=True, slots=True)
 class _ManualDrive:
-    """Manual driving of a robot: remaining ticks, and the name of the researcher who drives, or None."""
+    """Manual driving of a robot: number of remaining ticks, and name of the driving researcher or None."""
 
     ticks: int
     researcher: str | None
 
 
 class RobotControls:
-    """Queue of requests between two ticks of a team, which become its inputs in the next tick.
+    """Queue of requests between two ticks of a team. They become the team's inputs in the next tick.
 
     Args:
-        robots: the team; the caller runs its steps.
+        robots: the team. The caller runs the team's steps.
 
     Attributes:
-        researchers: by robot, the researcher who has set its goal or drives it by hand; None if none does.
+        researchers: by robot, the researcher who has set its goal or drives it by hand, or None.
     """
 
     def __init__(self, robots: RobotTeam) -> None:
@@ -51,16 +51,16 @@ class RobotControls:
         self._actions: list[ActionRequest] = []
         self._inputs: list[TeamInput] = []
         self._by_hand: dict[int, _ManualDrive] = {}
-        # Researchers by the goals that they have set: robot, owner, number of the goal.
+        # Researchers, by the goals that they have set (robot, owner, number of the goal).
         self._goals: dict[tuple[int, str, int], str] = {}
         self.researchers: tuple[str | None, ...] = (None,) * robots.size
 
     def ask(self, request: RobotRequest, researcher: str | None = None) -> None:
-        """Queue a request for the next tick; a request to a robot that does not exist is dropped.
+        """Queue a request for the next tick. Drop a request to a robot that does not exist.
 
         Args:
             request: the request.
-            researcher: name of the researcher who intervenes with it; None if it is no intervention.
+            researcher: name of the intervening researcher. None if the request is no intervention.
         """
         if not (isinstance(request, PutThing | RemoveThing) or 0 <= request.robot < self._robots.size):
             return
@@ -109,7 +109,7 @@ class RobotControls:
             server.follow(snapshot.tick, navigation)
 
     def is_driven(self, robot: int) -> bool:
-        """Return True while a robot is driven by hand."""
+        """Return True if a robot is driven by hand."""
         return robot in self._by_hand
 
     def _take(self, item: TeamInput, researcher: str | None = None) -> None:
@@ -121,7 +121,7 @@ class RobotControls:
         self._inputs.append(item)
 
     def tuning(self, robot: int) -> Tuning | None:
-        """Return a robot's parameters after all requests so far.
+        """Return a robot's parameters after all queued requests.
 
         Return None for real robots, because their parameters cannot be changed here.
         """

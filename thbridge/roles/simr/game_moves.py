@@ -1,4 +1,4 @@
-"""Moves of the game, as SimR carries them out: goals of robots, results, and the costs of further moves."""
+"""Moves of the game in SimR: goals of robots, results, and the costs of further moves."""
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
@@ -16,19 +16,20 @@ from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage
 
 PRICED_DISTANCE = 0.5
-"""Meters that a robot must move before its moves are priced again, because the estimate drifts a little at rest."""
+"""Distance after which a robot's moves are priced again, meters. At rest, the estimate of the pose drifts a little."""
 
 
 @dataclass(frozen=True, slots=True)
 class GameMap:
-    """The data of the game's map that SimR needs.
+    """Data of the game's map for SimR.
 
     Attributes:
         name: name of the map.
-        goals: goal pose of each room, room 1 first.
+        goals: goal pose of each room, in order.
         starts: start pose of each robot.
-        costs: energy from place to place, by number: 0 for the corridor, rooms from 1; None where there is no move.
-        travel: travel times from any other place. If None, the costs of the corridor apply there.
+        costs: energy of moves between places, by number (0 is the corridor, rooms start at 1). None if there is no
+            move.
+        travel: travel times from all other places. If None, the costs of the corridor apply there.
     """
 
     name: str
@@ -40,7 +41,13 @@ class GameMap:
 
 @dataclass(frozen=True, slots=True)
 class _Move:
-    """A move in progress. `length` is its longest plan so far, meters; 0 before the first plan."""
+    """A move in progress.
+
+    Attributes:
+        order: the keeper's order.
+        length: length of the longest plan, meters; 0 before the first plan.
+        remaining: remaining length of the path, meters.
+    """
 
     order: MoveOrder
     length: float = 0.0
@@ -51,14 +58,14 @@ class _Move:
 
 
 class MovesInProgress:
-    """Moves in progress of the robots, and the results of their last moves.
+    """Moves in progress, and the results of the robots' last moves.
 
     Args:
-        goals: goal pose of each room, room 1 first.
-        robots: size of the team.
+        goals: goal pose of each room, in order.
+        robots: number of robots.
 
     Attributes:
-        results: results of each robot's last move; None during a move and before the first.
+        results: result of each robot's last move. None during a move and before the first move.
     """
 
     def __init__(self, goals: tuple[Pose2, ...], robots: int) -> None:
@@ -67,27 +74,27 @@ class MovesInProgress:
         self.results: list[MoveResult | None] = [None] * robots
 
     def __contains__(self, robot: int) -> bool:
-        """Return True while a robot carries out a move of the game."""
+        """Return True if a robot is carrying out a move of the game."""
         return robot in self._moves
 
     @property
     def shares(self) -> dict[int, float]:
-        """Driven share of the path, by robot with a move in progress."""
+        """Driven share of the path of each robot with a move in progress, by robot."""
         return {robot: move.share() for robot, move in self._moves.items()}
 
     def restart(self) -> None:
-        """Forget all moves and results."""
+        """Remove all moves and results."""
         self._moves.clear()
         self.results = [None] * len(self.results)
 
     def go(self, robot: int, order: MoveOrder) -> SendGoal:
-        """Begin a move; return its goal for the robot."""
+        """Begin a move. Return the goal for the robot."""
         self.results[robot] = None
         self._moves[robot] = _Move(order)
         return SendGoal(robot, self._goal(order))
 
     def last(self, robot: int) -> int:
-        """Return the number of the robot's move in progress, otherwise of its last move; 0 before the first move."""
+        """Return the number of the robot's present move or, at rest, of its last move. 0 before the first move."""
         move, result = self._moves.get(robot), self.results[robot]
         if move is not None:
             return move.order.move
@@ -105,11 +112,11 @@ class MovesInProgress:
         Args:
             snapshot: snapshot of the team.
             silent: robots that do not respond.
-            stopped: robots that the keeper has ordered to stand.
-            is_driven: returns True for a robot that is driven by hand.
+            stopped: robots that must stand still by the keeper's orders.
+            is_driven: function that returns True for a robot that is driven by hand.
 
         Returns:
-            The lines of 2016 about reached rooms, and the goals that robots have lost, to be sent again.
+            The lines of 2016 about reached rooms. And goals that robots have lost, which must be sent again.
         """
         lines: list[TextMessage] = []
         lost: list[SendGoal] = []
@@ -127,7 +134,7 @@ class MovesInProgress:
             if robot in silent:
                 self._fail(robot, move, reasons.unresponsive_sentence(robot))
             elif result is not None and result.goal != goal:
-                pass  # The result of an earlier goal, or of a goal that did not come from the game.
+                pass  # This is the result of an earlier goal, or of a goal that is not from the game.
             elif isinstance(result, GoalReached):
                 del self._moves[robot]
                 self.results[robot] = MoveResult(move.order.move, True, "", 1.0)
@@ -138,8 +145,8 @@ class MovesInProgress:
                 if robot in stopped:
                     self._fail(robot, move, reasons.CALLED_BACK)
                 elif not is_driven(robot):
-                    # The robot's navigator has lost the goal: the robot was dead for a while, sent elsewhere or driven
-                    # by hand.
+                    # The robot's navigator has lost the goal, because the robot was dead, driven by hand, or had
+                    # another goal.
                     lost.append(SendGoal(robot, goal))
         return lines, lost
 
@@ -152,28 +159,28 @@ class MovesInProgress:
 
 
 class MovePrices:
-    """Prices of moves from where robots stand, updated whenever a robot has come to rest elsewhere.
+    """Prices of moves from the robots' present positions. They are updated if a robot stops at another position.
 
     Args:
-        travel: travel times from any place. If None, moves are not priced.
-        robots: size of the team.
+        travel: travel times from all places. If None, moves are not priced.
+        robots: number of robots.
     """
 
     def __init__(self, travel: TravelTimes | None, robots: int) -> None:
         self._travel = travel
-        # By robot: where it stood when its moves were priced, and their costs.
+        # By robot: position for which its moves were priced, and the costs of the moves.
         self._priced: list[tuple[Pose2, tuple[float | None, ...]] | None] = [None] * robots
 
     def restart(self) -> None:
-        """Forget all prices."""
+        """Remove all prices."""
         self._priced = [None] * len(self._priced)
 
     def update(self, snapshot: TeamSnapshot, busy: Collection[int]) -> bool:
-        """Price the moves of robots that have come to rest at another place; return True if any prices are new.
+        """Update the prices for robots that have stopped at another position. Return True if there are new prices.
 
         Args:
             snapshot: snapshot of the team.
-            busy: robots that move, or do not respond.
+            busy: robots that are moving or do not respond.
         """
         if self._travel is None:
             return False
@@ -189,7 +196,7 @@ class MovePrices:
 
     @property
     def costs(self) -> tuple[tuple[float | None, ...], ...] | None:
-        """Costs of each robot's moves, empty if unknown; None if they are unknown for all robots."""
+        """Costs of each robot's moves, empty if they are unknown. None if they are unknown for all robots."""
         if not any(self._priced):
             return None
         return tuple(() if priced is None else priced[1] for priced in self._priced)

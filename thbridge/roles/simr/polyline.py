@@ -8,14 +8,14 @@ from sim.numerics.float_array import FloatArray
 
 
 def needed_points(points: FloatArray, tolerance: float) -> NDArray[np.bool_]:
-    """Return the points of a polyline that are needed to draw it within a tolerance.
+    """Return the points of a polyline that are needed for drawing it within a tolerance.
 
     Args:
-        points: (m, 2); at least one.
+        points: (m, 2) points, at least one.
         tolerance: largest distance of a removed point from the drawn line, in the unit of the points.
 
     Returns:
-        (m,) True for the points to keep; both ends are kept.
+        (m,) True for each needed point. Both ends are needed.
 
     Source: Ramer, An iterative procedure for the polygonal approximation of plane curves (1972); Douglas and Peucker
     (1973).

@@ -1,6 +1,6 @@
-"""Pose telemetry: SimR sends poses, activities and planned paths of the robots to subscribers, many times a second.
+"""Pose telemetry: SimR sends poses, activities and planned paths of the robots to subscribers many times per second.
 
-Values that the study does not show are never sent, so receivers need not hide anything.
+SimR never sends values that the study does not show, so receivers do not need to hide values.
 """
 
 import math
@@ -22,20 +22,22 @@ from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import NoticeValue, encode_notice
 
 POSE_PERIOD = TICKS_PER_SECOND // 25
-"""Ticks between two messages of poses."""
+"""Number of ticks between two messages with poses."""
 PATH_PERIOD = TICKS_PER_SECOND // 10
-"""Ticks between two messages of planned paths, if the paths change."""
+"""Number of ticks between two messages with planned paths, if the paths change."""
 SUBSCRIPTION_TICKS = 60 * TICKS_PER_SECOND
-"""Ticks that a subscription lasts without renewal. Windows renew it in real time, and the simulation may run many
-times faster."""
+"""Number of ticks after which a subscription ends without renewal. It is large, because windows renew subscriptions in
+real time and the simulation may be much faster."""
 
 PATH_TOLERANCE = 0.01
-"""Largest distance of removed points from the path, in meters. The error doubles at the robot, which itself may be this
-far from its path. With the rounding to centimeters, the error of a sent path is less than 0.03 m."""
+"""Largest distance of removed points from the path, in meters. At the robot, the error may be twice as large, because
+the robot may have this distance from its path, too. With the rounding to centimeters, the error of a sent path is less
+than 0.03 m."""
 MOST_PATH_POINTS = 2000
 """Largest number of points of all paths in one message."""
 CHI_SQUARE_95 = 5.991
-"""Squared Mahalanobis distance that contains 95 % of a normal distribution in the plane (chi-square, 2 dof)."""
+"""Squared Mahalanobis distance that contains 95 % of a normal distribution in the plane (chi-square, 2 degrees of
+freedom)."""
 
 Triple = tuple[float, float, float]
 Line = tuple[tuple[float, float], ...]
@@ -43,12 +45,12 @@ Line = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True, slots=True)
 class TelemetryOptions:
-    """Choice of what a study shows of robots in addition to estimated poses and activities.
+    """Data about robots that a study shows in addition to estimated poses and activities.
 
     Attributes:
-        path: planned paths.
-        uncertainty: ellipses of the estimated positions.
-        truth: true poses.
+        path: True to show planned paths.
+        uncertainty: True to show ellipses of the estimated positions.
+        truth: True to show true poses.
     """
 
     path: bool = True
@@ -57,11 +59,11 @@ class TelemetryOptions:
 
 
 class TelemetryPublisher:
-    """Publisher of pose telemetry to its subscribers.
+    """Sender of pose telemetry to its subscribers.
 
     Args:
         sender: name of the sending role.
-        options: what the study shows.
+        options: data that the study shows.
     """
 
     def __init__(self, sender: str, options: TelemetryOptions) -> None:
@@ -73,7 +75,7 @@ class TelemetryPublisher:
         self._paths: tuple[Line, ...] = ()
 
     def subscribe(self, name: str, tick: int) -> None:
-        """Begin a subscription, or renew it."""
+        """Start or renew a subscription."""
         self._until[name] = tick + SUBSCRIPTION_TICKS
         if self._options.path:
             self._newcomers[name] = None
@@ -90,8 +92,8 @@ class TelemetryPublisher:
         Args:
             tick: tick of the role.
             snapshot: snapshot of the robots.
-            conditions: conditions of each robot.
-            progress: driven share of the path, of each robot that drives for the game.
+            conditions: condition of each robot.
+            progress: driven share of the path of each robot with a move of the game, by robot.
         """
         self._until = {name: until for name, until in self._until.items() if until > tick}
         messages: list[TextMessage] = []
@@ -110,7 +112,7 @@ class TelemetryPublisher:
         return [encode_notice(self._sender, name, value) for name in names]
 
     def _paths_ahead(self, snapshot: TeamSnapshot, conditions: Sequence[Condition]) -> tuple[Line, ...]:
-        """Return the path ahead of each robot that responds."""
+        """Return the remaining path of each robot that responds."""
         count = len(snapshot.robots)
         if len(self._plans) != count:
             self._plans = tuple(_Plan(max(2, MOST_PATH_POINTS // count)) for _ in range(count))
@@ -139,9 +141,13 @@ class TelemetryPublisher:
 
 
 def ellipse_of(covariance: FloatArray) -> Ellipse:
-    """Return the ellipse with 95 % of a robot's position; the covariance is at least 2 x 2, x and y first, in m^2.
+    """Return the ellipse with 95 % of the probability of a robot's position.
 
-    The half axes are the square roots of the eigenvalues of the 2 x 2 covariance, scaled by the chi-square quantile."""
+    The half axes are the square roots of the eigenvalues of the 2 x 2 covariance, scaled by the chi-square quantile.
+
+    Args:
+        covariance: at least 2 x 2, with x and y first, m^2.
+    """
     (xx, xy), (_, yy) = covariance[:2, :2].tolist()
     mean, spread = 0.5 * (xx + yy), elementary.hypot(0.5 * (xx - yy), xy)
     major, minor = (math.sqrt(CHI_SQUARE_95 * max(0.0, variance)) for variance in (mean + spread, mean - spread))
@@ -171,14 +177,14 @@ def _motion(output: RobotOutput, condition: Condition, progress: float) -> Robot
 
 
 class _Plan:
-    """A robot's plan, reduced to few points.
+    """A robot's plan, reduced to a few points.
 
-    It is thinned when it is new, and then only shortened while the robot drives.
+    A new plan is reduced once. During the drive, it is only shortened.
 
-    Thinning the plan again at each step would make it jump on the map.
+    If the plan were reduced again at each step, it would jump on the map.
 
     Args:
-        most: largest number of points to send.
+        most: largest number of points.
     """
 
     def __init__(self, most: int) -> None:
@@ -187,7 +193,7 @@ class _Plan:
         self._kept: NDArray[np.bool_] = np.empty(0, dtype=np.bool_)
 
     def ahead(self, output: RobotOutput) -> Line:
-        """Return the path from the robot's position to the goal; empty unless the robot drives along a plan."""
+        """Return the path from the robot's position to the goal. Empty if the robot is not following a plan."""
         navigation, here = output.navigation, output.estimate.base_in_map
         points = navigation.plan[1:, :2]
         if navigation.state != "controlling" or not len(points):
@@ -213,5 +219,5 @@ def _triple(pose: FloatArray) -> Triple:
 
 
 def _milli(number: float) -> float:
-    """Round to a millimeter, or a thousandth of a radian: windows show no more, and lines stay short."""
+    """Return a number rounded to 0.001 m or 0.001 rad. Windows need no more digits, and lines stay short."""
     return round(number, 3)

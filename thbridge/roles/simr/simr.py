@@ -1,4 +1,4 @@
-"""SimR: the robots' program. It drives a team of robots as the keeper orders, and reports the results."""
+"""SimR: the robots' program. It drives a team of robots by the keeper's orders, and reports the results."""
 
 from collections.abc import Sequence
 from typing import assert_never
@@ -37,13 +37,13 @@ from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
 from thbridge.text_protocol.wire.notice import encode_notice
 
 STATUS_PERIOD = TICKS_PER_SECOND
-"""Ticks between two statuses; a status is also sent whenever a move, a condition or a researcher changes."""
+"""Number of ticks between two statuses. A status is also sent if a move, a condition or a researcher changes."""
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND
-"""Ticks that a `%%goto` waits for a keeper. If no keeper has sent orders by then, SimR obeys it as in 2016."""
+"""Number of ticks for which a `%%goto` waits for a keeper. If there are no orders then, SimR obeys it as in 2016."""
 
 RESPONSE_TIMEOUT = 5 * TICKS_PER_SECOND
-"""Default ticks without observations after which a robot counts as silent."""
+"""Default number of ticks without observations after which a robot counts as silent."""
 
 MANUAL_SPEEDS = {
     canonical.MoveDirection.FORWARD: (1.0, 0.0),
@@ -53,25 +53,25 @@ MANUAL_SPEEDS = {
     canonical.MoveDirection.TURN_CLOCKWISE: (0.0, -1.0),
     canonical.MoveDirection.TURN_ANTICLOCKWISE: (0.0, 1.0),
 }
-"""Shares of forward speed and turn rate, by direction; full intensity is 0.5 m/s and 1 rad/s."""
+"""Shares of forward speed and turn rate, by direction. Full intensity is 0.5 m/s and 1 rad/s."""
 
 
 class SimR(RobotsRole):
-    """The robots' role.
+    """Role of the robots.
 
-    Moves are the keeper's orders. Without a keeper (at a server that is not ours) SimR obeys `%%goto` as in 2016. In
-    both cases it answers `%%where`, obeys `%%move`, and drives to points in meters.
+    SimR carries out the keeper's orders. Without a keeper (at the server of another program), it obeys `%%goto` as in
+    2016. In both cases, it answers `%%where`, obeys `%%move`, and drives to points in meters.
 
     Args:
         robots: the team.
         game_map: rooms, start poses and costs.
-        dialect: the meaning of `%%goto` that is tried first.
-        response_timeout: ticks without observations after which a robot counts as silent and its move fails.
+        dialect: the interpretation of `%%goto` that is tried first.
+        response_timeout: number of ticks without observations after which a robot counts as silent and its move fails.
         telemetry: options of pose telemetry.
 
     Attributes:
-        snapshot: the team after the last step; None before the first.
-        rejection: the keeper's reason for rejecting these robots; None while it accepts them.
+        snapshot: the team after the last step, or None before the first step.
+        rejection: reason why the keeper rejected these robots, or None.
     """
 
     name = legacy.SIMR
@@ -96,7 +96,7 @@ class SimR(RobotsRole):
         self._prices = MovePrices(game_map.travel, robots.size)
         self._conditions = (Condition.WELL,) * robots.size
         self._researchers: tuple[str | None, ...] = (None,) * robots.size
-        # The keeper's last orders; None before the first.
+        # The keeper's last orders, or None before the first orders.
         self._orders: Orders | None = None
         self._waiting: list[tuple[int, legacy.GotoRoom]] = []
         self._without_keeper = 0
@@ -104,7 +104,7 @@ class SimR(RobotsRole):
         self.rejection: str | None = None
 
     def connected(self) -> None:
-        """Introduce the robots to the keeper in the next step."""
+        """Send a notice about the robots to the keeper in the next step."""
         self._introduce = True
 
     def ask(self, request: RobotRequest, researcher: str | None = None) -> None:
@@ -118,7 +118,7 @@ class SimR(RobotsRole):
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """Run one tick of the role and of the team; see `Role`."""
         outgoing: list[TextMessage] = []
-        # Inputs are in order of age, so that the newest one wins: restored goals, then requests, then orders of this
+        # The oldest inputs are first, so that newer inputs override them: restored goals, requests, orders of this
         # tick.
         resumed, self._inputs = self._inputs, []
         if self._introduce:
@@ -181,12 +181,12 @@ class SimR(RobotsRole):
             case TeamRejection(sentence):
                 self.rejection = sentence
             case RecordingPermission() | None:
-                pass  # Handled by the program that runs this role.
+                pass  # The program that runs this role handles this notice.
             case _:
                 assert_never(notice)
 
     def _can_follow(self, orders: Orders) -> bool:
-        """Return True for orders that fit this team and map; others come from a faulty sender and are ignored."""
+        """Return True if orders match this team and map. Other orders are from a faulty sender and are ignored."""
         team, places = self._team.size, range(len(self._game_map.goals) + 1)
         return (
             orders.game > 0
@@ -197,7 +197,7 @@ class SimR(RobotsRole):
         )
 
     def _follow(self, orders: Orders) -> None:
-        """Start and stop moves as ordered."""
+        """Start and stop moves by these orders."""
         former, self._orders = self._orders, orders
         if former is None or former.game != orders.game:
             self._begin(orders, again=former is not None)
@@ -209,7 +209,7 @@ class SimR(RobotsRole):
         self._inputs += [SetCharge(robot, charge) for robot, charge in enumerate(orders.energy)]
 
     def _begin(self, orders: Orders, *, again: bool) -> None:
-        """Place every robot for a new game, or for a game in progress after a restart of SimR."""
+        """Place every robot for a new game, or for the open game after a restart of SimR."""
         self._waiting.clear()
         self._moves.restart()
         self._prices.restart()
@@ -224,7 +224,7 @@ class SimR(RobotsRole):
             self._inputs += [CancelGoal(robot), PlaceRobot(robot, pose)]
 
     def _obey_without_keeper(self, tick: int) -> None:
-        """Obey lines that have waited for a keeper until the timeout. If there is a keeper, obey only its orders."""
+        """Obey lines that have waited for a keeper until the timeout. If there is a keeper, drop these lines."""
         if self._orders is not None:
             self._waiting.clear()
         while self._waiting and tick - self._waiting[0][0] >= KEEPER_TIMEOUT:
@@ -234,13 +234,12 @@ class SimR(RobotsRole):
             self._inputs.append(self._moves.go(goto.robot, order))
 
     def _is_free(self, robot: int) -> bool:
-        """Return True when a text line may drive a robot: it has no move of the game and no other commander."""
+        """Return True if a text line may drive a robot: it has no move of the game and no other commander."""
         taken = () if self._orders is None else self._orders.taken
         return 0 <= robot < self._team.size and robot not in self._moves and robot not in taken
 
     def _is_judged(self, message: TextMessage) -> bool:
-        """Return True for a line of 2016 if there is a keeper, because the keeper decides on it and refuses unknown
-        rooms."""
+        """Return True if a line is from 2016 and there is a keeper, which decides on it and refuses unknown rooms."""
         return (
             self._orders is not None
             and self._dialect is Dialect.LEGACY_2016
@@ -264,7 +263,7 @@ class SimR(RobotsRole):
         return lines
 
     def _price(self, snapshot: TeamSnapshot) -> bool:
-        """Price the moves of robots that have come to rest at another place; return True if any prices are new."""
+        """Update the prices for robots that have stopped at another position. Return True if there are new prices."""
         robots = range(self._team.size)
         moving = {robot for robot in robots if robot in self._moves or self._controls.is_driven(robot)}
         return self._prices.update(snapshot, moving | self._silent(snapshot))
@@ -281,7 +280,7 @@ class SimR(RobotsRole):
         return {robot for robot, output in enumerate(snapshot.robots) if output.tick <= due}
 
     def _conditions_in(self, snapshot: TeamSnapshot) -> tuple[Condition, ...]:
-        """Return the condition of each robot, as its messages show it."""
+        """Return the condition of each robot, from its messages."""
         silent = self._silent(snapshot)
         return tuple(
             Condition.SILENT if robot in silent else Condition.LOST if output.lost else Condition.WELL

@@ -1,4 +1,4 @@
-"""The robots that SimR commands: simulated (`sim.team.Team`) or real."""
+"""Interface of SimR's team of robots, which are simulated (`sim.team.Team`) or real."""
 
 from collections.abc import Sequence
 from typing import Protocol
@@ -24,4 +24,4 @@ class RobotTeam(Protocol):
         """Current true properties of each robot's body, motors and sensors; empty if `parameters` is empty."""
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
-        """Run one tick with these inputs, in order; inputs that a robot cannot carry out have no effect."""
+        """Run one tick with these inputs, in order. Inputs that a robot cannot carry out have no effect."""

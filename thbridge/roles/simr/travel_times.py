@@ -1,9 +1,9 @@
-"""Travel times from any place of a map to its rooms, planned on the static map and scaled to the map's known times.
+"""Travel times from all places of a map to its rooms, planned on the static map and scaled to the map's known times.
 
-A wavefront of navfn from each room's goal gives a path to that goal from every place. The duration of a path has three
-parts: a constant, a part by its length, and a part by the turns on the spot at both ends. Turns take as long as driving
-some meters. The three weights are fitted to the known times between places (least squares, none negative). So a room
-costs about the same from a robot's position as from the nearest place with a row in the matrix.
+A wavefront of navfn from each room's goal gives a path to this goal from every place. The duration of a path is the sum
+of a constant, a part for its length, and a part for the turns on the spot at both ends. The three weights are fitted to
+the known times between places (non-negative least squares). So the cost of a room from a robot's position is similar to
+the cost from the nearest place with a row in the matrix.
 """
 
 import math
@@ -27,16 +27,16 @@ from sim.robot.global_planning.wave import UNREACHED
 from thbridge.files.disk.mapped_arrays import mapped
 
 AT_GOAL = 1.0
-"""Distance from a room's goal up to which the row of that room applies, in meters."""
+"""Distance from a room's goal up to which the room's row in the matrix applies, in meters."""
 
 _NEAR = 0.5
-"""Largest distance to the nearest place with a path, in meters, for a robot with an estimate inside a wall."""
+"""Largest distance to the nearest place with a path, in meters. It is used for estimated positions inside a wall."""
 _FIRST_STRETCH = 0.5
-"""Length of the stretch at each end of a path that determines the path's direction there, in meters."""
+"""Length of the segment at each end of a path that determines the path's direction at this end, in meters."""
 
 
 class _Way(NamedTuple):
-    """Parts of a path's duration before weighting: 1, meters, and radians turned on the spot at both ends."""
+    """Parts of a path's duration without weights: 1, length in meters, and turns on the spot at both ends, radians."""
 
     one: float
     length: float
@@ -44,14 +44,14 @@ class _Way(NamedTuple):
 
 
 class TravelTimes:
-    """Energy of moves from any place of a map.
+    """Computation of the energy of moves from any place of a map.
 
     Args:
         grid: the map.
-        costs: (rows, cols) costs of its cells for a robot, inflated.
-        goals: goal pose of each room, room 1 first.
+        costs: (rows, cols) costs of the map's cells for a robot, with inflation.
+        goals: goal pose of each room, in order.
         starts: start poses, at least one. The row of the corridor applies to them.
-        matrix: known times between places, by number: 0 for the corridor, rooms from 1; seconds, None where there is
+        matrix: known times between places in seconds, by number (0 is the corridor, rooms start at 1). None if there is
             no move.
     """
 
@@ -68,7 +68,7 @@ class TravelTimes:
         self._goals = tuple(self._to_grid.compose(goal) for goal in goals)
         self._matrix = tuple(tuple(row) for row in matrix)
         self._planner = PotentialPlanner(Navfn(NavfnParameters()))
-        # Potentials are memory-mapped: each has 16 MB for a hectare, and a path reads only a few cells.
+        # Potentials are memory-mapped, because each has 16 MB for a hectare, and a path reads only a few cells.
         potentials = (self._planner.potential(costs, self._frame, goal) for goal in self._goals)
         self._potentials = mapped(potentials, len(self._goals) * costs.size * np.dtype(np.float32).itemsize)
         places = [[self._to_grid.compose(start) for start in starts], *([goal] for goal in self._goals)]
@@ -82,7 +82,9 @@ class TravelTimes:
         )
 
     def costs_from(self, pose: Pose2) -> tuple[float | None, ...]:
-        """Return the energy to each place from a pose, by the place's number: whole numbers, None without a path."""
+        """Return the energy from a pose to each place, by the place's number. It is a whole number, or None without a
+        path.
+        """
         here = self._to_grid.compose(pose)
         away = [elementary.hypot(goal.x - here.x, goal.y - here.y) for goal in self._goals]
         nearest = min(range(len(away)), key=lambda room: away[room])
@@ -90,7 +92,7 @@ class TravelTimes:
         if away[nearest] > AT_GOAL:
             return None, *estimated
         row = list(self._matrix[nearest + 1])
-        # The matrix has no move from a room to itself, but a robot may stand in a room that it has not visited.
+        # The matrix has no move from a room to itself, but a robot may be in an unvisited room.
         row[nearest + 1] = estimated[nearest]
         return tuple(row)
 
@@ -99,7 +101,10 @@ class TravelTimes:
         return None if way is None else max(1.0, round(float((np.array(way) * self._weights).sum())))
 
     def _way(self, room: int, here: Pose2) -> _Way | None:
-        """Return the path from a pose in the grid, or from the nearest place with a path; None if there is no path."""
+        """Return the parts of the path from a pose in the grid, or from the nearest place with a path.
+
+        Return None if there is no path.
+        """
         goal, potential = self._goals[room], self._potentials[room]
         resolution = self._frame.resolution
         col, row, reach = here.x / resolution, here.y / resolution, _NEAR / resolution
@@ -124,16 +129,16 @@ class TravelTimes:
 
 
 def _direction(points: FloatArray, steps: FloatArray) -> float:
-    """Return the direction of the first stretch of (m, 2) points with (m - 1,) meters between them, radians."""
+    """Return the direction of the first segment of (m, 2) points, radians. `steps` has (m - 1,) distances, meters."""
     end = min(int(np.searchsorted(steps.cumsum(), _FIRST_STRETCH)) + 1, len(points) - 1)
     along = points[end] - points[0]
     return elementary.atan2(along[1], along[0])
 
 
 def _fitted(known: Sequence[tuple[Sequence[_Way], float]]) -> FloatArray:
-    """Return (3,) seconds per unit of each part, fitted to known seconds.
+    """Return (3,) seconds per unit of each part, fitted to known times.
 
-    If there are several paths, their mean is used.
+    If there are several paths for a time, their mean is used.
     """
     rows = [(np.mean(ways, axis=0), seconds) for ways, seconds in known if ways]
     if not rows:
@@ -142,10 +147,10 @@ def _fitted(known: Sequence[tuple[Sequence[_Way], float]]) -> FloatArray:
 
 
 def non_negative_weights(parts: FloatArray, wholes: FloatArray) -> FloatArray:
-    """Return (k,) non-negative weights of parts for which the weighted sums fit (n,) wholes best, by least squares.
+    """Return (k,) non-negative weights of parts: the weighted sums fit the (n,) wholes best, by least squares.
 
-    The best weights are those of an unconstrained fit to some of the parts. All choices of parts are tried, since there
-    are only a few.
+    The best weights are the weights of an unconstrained fit to some of the parts. There are only a few parts, so all
+    subsets of parts are tried.
 
     Args:
         parts: (n, k) parts of each whole.
