@@ -106,9 +106,7 @@ def check_files(log: Path) -> None:
     """
     if restoring_path(log).exists():
         again = _restore(log)
-        raise BadFile(
-            log, "the restore of this study was interrupted", f"Run it again with the same backup: `{again}`"
-        )
+        raise BadFile(log, "the restore of this study was interrupted", f"Run it again with the same backup: `{again}`")
     seen = b""
     while True:
         try:

@@ -88,9 +88,7 @@ def moves(design: ExperimentDesign, trial: RecordedTrial) -> ExperimentTable:
                 "true for an automatic move, which follows from the move before",
                 lambda row: row.move is not None and row.move.is_booked,
             ),
-            text(
-                "text", "the sentence; empty for automatic moves", lambda row: row.said.text or None
-            ),
+            text("text", "the sentence; empty for automatic moves", lambda row: row.said.text or None),
             count("words", "number of words in the sentence", lambda row: len(row.said.text.split())),
             flag(
                 "misheard",

@@ -114,9 +114,7 @@ def participants(
                 "SHA-256 of the consent text that the person answered; empty if it is not in the log",
                 lambda row: row.told_of_consent("version"),
             ),
-            count(
-                "attention_checks", "number of attention checks that the person saw", lambda row: len(row.attention)
-            ),
+            count("attention_checks", "number of attention checks that the person saw", lambda row: len(row.attention)),
             count("attention_passed", "number of passed attention checks", lambda row: sum(row.attention)),
             flag(
                 "debriefed",
