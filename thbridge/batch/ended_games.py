@@ -57,7 +57,8 @@ def keep_ended(path: Path, game: GameResult, plugins: Iterable[str] = ()) -> Non
             head = _head(plugins) if file.tell() == 0 else b""
             append_whole(file, head + b"\n" + msgspec.json.encode(game) + b"\n", synced=False)
     except OSError as error:
-        raise BadFile(path, f"it cannot be written ({reason_of(error)})", "free some space, then continue") from None
+        remedy = "free some space, then run the command again"
+        raise BadFile(path, f"it cannot be written ({reason_of(error)})", remedy) from None
 
 
 def _head(plugins: Iterable[str]) -> bytes:

@@ -182,7 +182,7 @@ def _write(path: Path, columns: Mapping[str, pa.Array], plugins: Iterable[str]) 
     written = io.BytesIO()
     parquet.write_table(table, written, compression="zstd")
     content = written.getvalue()
-    with whole_file(path, "free some space, then continue", folders=True) as file:
+    with whole_file(path, "free some space, then run the command again", folders=True) as file:
         file.write(content.replace(_NO_SUM.encode(), hashlib.sha256(content).hexdigest().encode()))
 
 

@@ -212,7 +212,8 @@ def _note(journal: Path, line: str) -> None:
         with own_target(journal).open("ab", buffering=0) as file:
             append_whole(file, f"{line}\n".encode(), synced=False)
     except OSError as error:
-        raise BadFile(journal, f"it cannot be written ({reason_of(error)})", "free some space, then continue") from None
+        remedy = "free some space, then run the command again"
+        raise BadFile(journal, f"it cannot be written ({reason_of(error)})", remedy) from None
 
 
 def begun_game(journal: Path) -> tuple[str, int] | None:

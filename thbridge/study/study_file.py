@@ -87,7 +87,7 @@ class ShowsSection:
     uncertainty: bool = param(False, "show how certain robots are of their positions")
     truth: bool = param(False, "show the true positions of simulated robots")
     points: bool = param(True, "show the points of a treasure before the participant names it")
-    answers: bool = param(True, "show after the game what was in the rooms, and the best possible score")
+    answers: bool = param(True, "show the treasures of all rooms and the best possible score after the game")
 
 
 @dataclass(frozen=True, slots=True)

@@ -160,7 +160,7 @@ def faults_of_things(loaded: Loaded[S], things: Sequence[ThingEntry]) -> Iterato
 def _faults_of_place(loaded: Loaded[S], key: str, entry: ThingEntry) -> Iterator[BadFile]:
     if (entry.at is None) == (not entry.path):
         problem = "the thing has neither `at` nor `path`" if entry.at is None else "the thing has both `at` and `path`"
-        remedy = "Write at: [x, y, yaw] for a standing thing, or path: [[x, y], [x, y]] for a walking one"
+        remedy = "Write at: [x, y, yaw] for a standing thing, or path: [[x, y], [x, y]] for a walking thing"
         yield loaded.fault(key, problem, remedy)
     elif entry.at is None and len(entry.path) < 2:
         yield loaded.fault(f"{key}.path", "a path needs two points", "Write two points or more, or at: [x, y, yaw]")
@@ -219,6 +219,6 @@ def faults_of_mishaps(loaded: Loaded[S], mishaps: Sequence[MishapEntry], robots:
             problem = f"there is no robot {entry.robot}: the study has {robots}"
             yield loaded.fault(f"{key}.robot", problem, f"Write a number from 1 to {robots}, or increase `robots`")
         if entry.what is Mishap.CARRIED and entry.to is None:
-            yield loaded.fault(key, "the place to move the robot to is missing", "Add the key `to: [x, y, yaw]`")
+            yield loaded.fault(key, "the new place of the robot is missing", "Add the key `to: [x, y, yaw]`")
         if entry.what is not Mishap.CARRIED and entry.to is not None:
             yield loaded.fault(f"{key}.to", f"a robot that {entry.what} does not move", "Delete the key `to`")

@@ -85,7 +85,7 @@ def test_the_resolved_study_reads_back_equal():
         ("mishaps:\n  - {robot: 3, what: dies, time: 1}", "mishaps[0].robot: there is no robot 3: the study has 2"),
         (
             "mishaps:\n  - {robot: 1, what: carried, time: 1}",
-            "the place to move the robot to is missing. Add the key `to: [x, y, yaw]`",
+            "the new place of the robot is missing. Add the key `to: [x, y, yaw]`",
         ),
         ("mishaps:\n  - {robot: 1, what: dies, time: 1, to: [1, 1, 0]}", "a robot that dies does not move"),
         ("mishaps:\n  - {robot: 1, what: dies}", "mishaps[0].time: missing"),

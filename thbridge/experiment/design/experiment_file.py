@@ -66,7 +66,7 @@ class RecruitingSection:
     """Question for people from a recruiting service."""
 
     ask: str = param(
-        "", "question that asks people for their code of the service before the first step; if empty, no question"
+        "", "question for people's code from the recruiting service, before the first step; if empty, no question"
     )
 
 

@@ -26,8 +26,9 @@ class ConsentStatus(Enum):
 CONSENT_SENTENCES = {
     ConsentStatus.AWAITED: "nothing is recorded until the participant has agreed to take part",
     ConsentStatus.GIVEN: "the participant has agreed to take part, and the game is recorded",
-    ConsentStatus.DECLINED: "the participant does not take part: nothing is recorded, and the next one can join",
-    ConsentStatus.NOT_ASKED: "this TabUI is a program of 2016, which cannot ask for consent: ask the participant "
+    ConsentStatus.DECLINED: "the participant does not take part: nothing is recorded, and the next participant "
+    "can join",
+    ConsentStatus.NOT_ASKED: "this TabUI is a program of 2016 and cannot ask for consent: ask the participant "
     "yourself; the game is recorded",
 }
 """Sentences for the researcher about the state of the participant's consent."""
