@@ -194,6 +194,7 @@ class ItineraryPlanner:
         if path is None:
             return None
         if not isinstance(path, PlanRefusal):
+            # Distances are not enough: robots that already stand too close could block each other's next points.
             direct = timed_itinerary(thinned(path.poses[:, :2], POINT_SPACING), time)
             if keeps_separation(direct.points, direct.times, others, self.separation) and self._executable(
                 direct, others
@@ -229,6 +230,7 @@ class ItineraryPlanner:
     def _refusal(self, attempt: _Attempt, refused: PlanRefusal) -> PlanRefusal | None:
         """Return the refusal. If a path exists on the map alone, name an obstacle seen by the laser as the cause."""
         bare: Path | PlanRefusal | None = refused
+        # Without marks of the laser, the path was already searched on the map alone.
         if self.costmap.obstacles.any_marks:
             bare = self._path(attempt, "without observations", self._walls)
         if isinstance(bare, PlanRefusal):
@@ -266,6 +268,7 @@ class ItineraryPlanner:
         Without other robots, this robot would drive on another path. On that path it would meet the returned robot
         first.
         """
+        # The robot drives as it would without other robots.
         if itinerary.unhindered_from == -math.inf:
             return None
         free, _ = self._free_space()

@@ -228,9 +228,11 @@ class Follower:
         """Record whether the robot is at the end of the itinerary."""
         limits, state = self._controller.planner.limits, self._state
         x, y, _ = self._poses[-1].tolist()
+        # A path may pass near its end before it gets there, so the remaining length must also be short.
         off = elementary.hypot(x - pose.x, y - pose.y)
         at_end = bool(self._left[self._index] < 3 * limits.xy_goal_tolerance and off <= limits.xy_goal_tolerance)
         now: Following | AtEnd = AtEnd() if at_end else Following()
+        # As in ROS, a robot with a latched tolerance does not drive back if it leaves the goal while it turns.
         if not at_end and limits.latch_xy_goal_tolerance:
             return
         event: FollowerEvent = "end reached" if at_end else "end left"
@@ -247,6 +249,7 @@ class Follower:
         separation = self._itinerary_planner.separation_driven
         last = _as_far_as(self._left, self._index, controller.reach)
         x, y, _ = self._poses[self._index].tolist()
+        # Robots that stand farther away cannot block the part of the path that is examined.
         others = relevant_neighbours(neighbours, x, y, controller.reach + separation)
         allowed, barring, stands = right_of_way(
             itinerary.points, itinerary.times, self._index, last, pose.x, pose.y, itineraries_of(others), separation

@@ -196,6 +196,7 @@ class Navigator:
             lost: True if the pose is not reliable. A robot with a goal then looks around until the pose is reliable.
         """
         execution = self._execution
+        # Ticks are missing after the robot was dead.
         if tick != self._tick + 1:
             execution.restart(tick)
         self._tick = tick
@@ -217,6 +218,7 @@ class Navigator:
                 self._controller.keep_scan(seen)
         self._itinerary_planner.search_on()
         clearing = isinstance(execution.state, Clearing)
+        # Robots plan in turns, so that each robot knows the plans of all others.
         if (tick - self._robot) % self._team == 0 and tick >= execution.next_plan and not clearing:
             self._planning.run(tick, pose, self._stale.known(tick))
         if self._controller.command_due(tick):
@@ -247,6 +249,7 @@ class Navigator:
         due = [self._costmaps.next_due(tick)]
         if isinstance(state, Controlling):
             due.append(self._controller.next_command(tick))
+        # A resting robot plans only if another robot asks it to clear a path.
         rests = isinstance(state, Idle) and state.wanted is None
         if not rests or any(map(_CLAIM, neighbours)):
             due.append(next_turn(max(tick, execution.next_plan - 1), self._robot, self._team))

@@ -85,6 +85,7 @@ class PlanningCycle:
                 return
         if isinstance(self._execution.state, Clearing):
             return
+        # A robot that has just given way lets the other robot plan first. Otherwise it could block the path again.
         if self._execution.goal is not None and self._execution.progress.yields_to(tick) is None:
             self._plan(tick, pose, self._execution.goal, neighbours, keeps)
         if not isinstance(self._execution.state, Controlling):
@@ -119,6 +120,7 @@ class PlanningCycle:
         if planned is None:
             self._execution.next_plan, self._keeps = tick + 1, keeps
             return
+        # The present itinerary is still valid, so the robot continues with it.
         if keeps and not isinstance(planned, Itinerary):
             return
         match planned:
@@ -157,6 +159,7 @@ class PlanningCycle:
         move_base, retries = self._execution.move_base, self._execution.progress.count_retry()
         waited = self._execution.progress.patience_over(tick, move_base.planner_patience)
         waited = waited or 0 <= move_base.max_planning_retries < retries
+        # Recovery behaviors can only remove obstacles that the laser has seen. All other causes are on the map.
         if refused.code in ("goal_outside", "goal_occupied") or (waited and refused.code != "blocked_by_obstacle"):
             self._execution.end(NoPath(goal, refused.code, refused.sentence))
         elif waited:
