@@ -47,6 +47,7 @@ class VehicleParameter:
         """Return the value for a 32-bit number, or the reason why there is no value. Bounds are not checked."""
         types, choices = self.declaration.types, self.declaration.choices
         if float in types:
+            # The shortest decimal number with the same 32 bits is the number that the station meant.
             return None if number == 0.0 and NoneType in types else float(str(np.float32(number)))
         if bool in types:
             return bool(number) if number in {0.0, 1.0} else Denied(f"{self.name} is 0 or 1, not {number:g}.")
@@ -173,6 +174,7 @@ class VehicleParameters:
             wanted = float(np.float32(value))
         if not math.isfinite(wanted):
             return Denied(f"{name} is a number, not {wanted:g}.")
+        # A number that is sent back unchanged must not round the present value to 32 bits.
         if wanted == before.value:
             return before
         meant = parameter.from_number(wanted)

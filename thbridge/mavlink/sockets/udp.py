@@ -183,6 +183,7 @@ class UdpPort:
         peer = self._peers.get(address) or self._meet(address, now)
         if peer is None or now < peer.muted:
             return 0
+        # UDP cannot make a peer wait, so its datagram is dropped.
         if peer.link is not None and not self._links.has_room(peer.link):
             self._links.drop(peer.link, 1)
             return 0

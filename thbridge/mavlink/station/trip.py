@@ -155,6 +155,7 @@ class StationTrip:
 
     def _watch(self, robot: KnownRobot, now: float) -> None:
         """Check heartbeat, position and arming of the robot, because its texts may be lost on the link."""
+        # This condition is also True for NaN, an unknown speed.
         if not robot.speed < _STANDING:
             self._stood = now
         if now - robot.last_heartbeat > HEARTBEAT_TIMEOUT:
@@ -171,6 +172,7 @@ class StationTrip:
         self._station.send_command(self._system, command, now)
 
     def _fail(self, problem: str, now: float) -> None:
+        # A text that explains a refusal follows the acknowledgement, so wait for it.
         self._problem = problem
         self.stage, self._since = StationTripStage.LISTENING, now
 

@@ -101,6 +101,7 @@ class Vehicle:
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """Process a message to this vehicle or to all vehicles, and return the answers."""
+        # Heartbeats count even while the robot does not respond, because its station is still there.
         if isinstance(message, mav.MAVLink_heartbeat_message):
             self._control.heartbeat(sender)
         elif self._readings.responsive:

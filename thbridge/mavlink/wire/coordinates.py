@@ -1,6 +1,6 @@
 """Conversions between MAVLink's coordinate frames and the map: points, headings and velocities.
 
-The map has x east and y north, and angles anticlockwise from east. MAVLink has x north and y east, and angles
+The map has x east and y north, and angles counterclockwise from east. MAVLink has x north and y east, and angles
 clockwise from north. Heights are ignored, because all robots are on one floor.
 """
 

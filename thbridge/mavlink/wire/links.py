@@ -101,6 +101,7 @@ class HubLink:
 
     def next_sequence(self, system: int) -> int:
         """Return the sequence number of the next frame that a vehicle sends on this link."""
+        # By the standard, each sender numbers its frames separately on each link, so that gaps show lost frames.
         number = self._counts.get(system, 0)
         self._counts[system] = (number + 1) % 256
         self.sent += 1

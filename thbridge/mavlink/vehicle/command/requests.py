@@ -157,6 +157,7 @@ def parse_command(link: LinkId, station: Station, message: Message) -> ReceivedC
         )
         return ReceivedCommand(link, station, message.command, params, None, message.confirmation)
     if isinstance(message, mav.MAVLink_command_int_message):
+        # The coordinates of COMMAND_INT are integers, so they cannot be NaN.
         x, y = (math.nan if value == UNSET else float(value) for value in (message.x, message.y))
         params = (message.param1, message.param2, message.param3, message.param4, x, y, message.z)
         return ReceivedCommand(link, station, message.command, params, message.frame, 0)

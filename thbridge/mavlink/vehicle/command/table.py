@@ -1,8 +1,8 @@
 """Command table: the MAVLink commands of a vehicle, with allowed messages, allowed stations and execution.
 
 Source: MAVLink's `common.xml`, MAV_CMD.
-Differs: MISSION_START with zeros continues with the current item, as in ArduPilot, and not with item 0. The reason is
-that ground stations also send it to continue. To restart a mission, set item 0 as the current item.
+Differences: MISSION_START with zeros continues with the current item, as in ArduPilot, and not with item 0. The reason
+is that ground stations also send it to continue. To restart a mission, set item 0 as the current item.
 """
 
 import math

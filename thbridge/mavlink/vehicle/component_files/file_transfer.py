@@ -1,7 +1,7 @@
 """MAVLink FTP server of a vehicle, with read-only files.
 
 Source: the MAVLink developer guide, "File Transfer Protocol (FTP)".
-Differs:
+Differences:
 
 * A session belongs to the station that opened it, so that stations cannot close or read each other's sessions. The
   station chooses the number of its session, because MAVProxy identifies its transfers by this number, and MAVSDK

@@ -77,6 +77,7 @@ def item_of(
             (message.x, mav.MAV_MISSION_INVALID_PARAM5_X),
             (message.y, mav.MAV_MISSION_INVALID_PARAM6_Y),
         ):
+            # This condition is also True for NaN.
             if not abs(value * scale) < _LARGEST:
                 return InvalidItem(result, "its place is not a number")
         x, y = round(message.x * scale), round(message.y * scale)

@@ -1,8 +1,8 @@
 """Mission protocol without sockets and clocks: uploads to a robot. The module `downloads` handles downloads.
 
 Source: the MAVLink developer guide, "Mission Protocol".
-Differs: a station may send a part of the list, as in ArduPilot, but the plan changes only after the complete part has
-arrived.
+Differences: a station may send a part of the list, as in ArduPilot, but the plan changes only after the complete part
+has arrived.
 """
 
 from collections.abc import Iterator

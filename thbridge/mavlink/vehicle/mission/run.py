@@ -159,6 +159,7 @@ class MissionRun:
         if not self.running:
             return
         number, item = self.current_item, self.plan[self.current_item]
+        # ArduPilot's home is only stored in the plan. The mission continues with the next item at once.
         match None if self.is_home(number) else self.execution.step(number, item, tick, readings):
             case Denied(sentence):
                 self.pause()

@@ -167,6 +167,7 @@ class ModeStateMachine:
 
     def go(self, target: Target, mode: Mode = Mode.GUIDED) -> Denied | None:
         """Drive to a point, and change to this mode."""
+        # Ask first, because the present activity continues after a denial.
         number = self._robot.go_to(target)
         if isinstance(number, Denied):
             return number
@@ -177,6 +178,7 @@ class ModeStateMachine:
 
     def follow_target(self, target: Target) -> Denied | None:
         """Drive to a point that is sent repeatedly. Do nothing in other modes than GUIDED."""
+        # The target is repeated, so a drive that already leads to it must not begin again.
         if self._mode is not Mode.GUIDED or self.drive.leads_to(target):
             return None
         return self.go(target)
@@ -193,6 +195,7 @@ class ModeStateMachine:
 
     def pause(self) -> None:
         """Stop, and store the present activity for `resume`."""
+        # A second pause must keep the stored activity, because the robot already stands.
         paused = self._paused
         if paused is None and self._mode is not Mode.HOLD:
             paused = PausedMode(self._mode, self.drive.target if self.drive.is_under_way else None)

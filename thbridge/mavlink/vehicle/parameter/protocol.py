@@ -1,7 +1,7 @@
 """Parameter protocol, by which stations read and set a robot's numeric parameters. It has no sockets and clocks.
 
 Source: the MAVLink developer guide, "Parameter Protocol" and "Extended Parameter Protocol".
-Differs: the answer to a request for an unknown parameter is PARAM_ERROR, which is newer than most of the guide.
+Differences: the answer to a request for an unknown parameter is PARAM_ERROR, which is newer than most of the guide.
 """
 
 import math

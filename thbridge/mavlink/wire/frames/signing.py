@@ -2,10 +2,10 @@
 
 Source: the MAVLink developer guide, "Message Signing".
 
-Differs: no unsigned frame is accepted. Other programs accept RADIO_STATUS, which radios send without a key. Here there
-is no radio between robots and stations. If such a frame were forwarded with our signature, it would seem to come from
-the key's owner. Keys from the network (SETUP_SIGNING) are never accepted. Timestamps in the last months of the 48-bit
-range are refused, because no later frame could have a newer timestamp.
+Differences: no unsigned frame is accepted. Other programs accept RADIO_STATUS, which radios send without a key. Here
+there is no radio between robots and stations. If such a frame were forwarded with our signature, it would seem to come
+from the key's owner. Keys from the network (SETUP_SIGNING) are never accepted. Timestamps in the last months of the
+48-bit range are refused, because no later frame could have a newer timestamp.
 """
 
 import hashlib
@@ -149,6 +149,7 @@ class SignatureTimestamps:
 
     def next(self, now: float) -> int:
         """Return a timestamp for signing. It is newer than all our earlier timestamps and all accepted timestamps."""
+        # Timestamps must increase even if several frames are signed at once, or the clock is set back.
         self._latest = max(self._latest + 1, _timestamp_at(now))
         return self._latest
 
@@ -159,6 +160,7 @@ class SignatureTimestamps:
         last = self._streams.get(stream)
         if last is not None:
             return SignatureFault.REPEATED if timestamp <= last else None
+        # By the standard, the first timestamp of a stream may be at most one minute old.
         if timestamp + FIRST_TIMESTAMP_TOLERANCE < max(self._latest, _timestamp_at(now)):
             return SignatureFault.OLD
         if timestamp < self._not_before:
@@ -220,6 +222,7 @@ class Signing:
         return stamped + self._digest(stamped)
 
     def _digest(self, stamped: bytes) -> bytes:
+        # By the standard, a signature consists of the first 48 bits of SHA-256.
         return hashlib.sha256(self._key.secret + stamped).digest()[:_DIGEST_SIZE]
 
 
