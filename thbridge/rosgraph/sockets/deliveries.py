@@ -115,6 +115,7 @@ class Deliveries:
         finally:
             lane.busy -= 1
             self._remember(address, answered)
+            # The address goes to the end of the line, so that all addresses take turns.
             if waiting:
                 self._line_up(address)
             else:
@@ -122,6 +123,7 @@ class Deliveries:
             self._call_next(lane)
 
     def _remember(self, address: str, answered: bool) -> None:
+        # It is inserted again at the end, so that the first address is the one without an answer for longest.
         self._known.pop(address, None)
         if answered:
             self._known[address] = None

@@ -237,6 +237,7 @@ class Fleet:
     async def _join(self) -> None:
         """Wait for the master, select wall time or simulated time, and subscribe."""
         await self._node.registered()
+        # As for all ROS nodes, this parameter selects between the wall clock and the topic /clock.
         simulated = await self._node.get_param(names.USE_SIM_TIME) is True
         clock = RosClock(simulated)
         self._clock = clock
@@ -284,6 +285,7 @@ class Fleet:
                 if header.md5 == md5 and isinstance(refused := robot.receive(topic, data, now_ns), InvalidMessage):
                     self._complaints.warn(f"{topic}: a message of {publisher} is ignored: {refused.sentence}")
 
+        # Any type is accepted, because the recorder stores messages with their publishers' own types.
         self._node.subscribe(topic, "*", "*", on_message, on_publisher=on_publisher)
 
     def _advertise(self, topic: str, msgtype: str) -> Publication:

@@ -86,6 +86,7 @@ class FleetParameters:
 
     def _change(self, value: object) -> None:
         (offset,) = self._server.parameters
+        # In Python a bool is an int, but it is not a valid offset.
         number = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
         if number != offset.clamped(number):  # True also for NaN.
             least, most = offset.minimum, offset.maximum

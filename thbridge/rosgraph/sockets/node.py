@@ -6,7 +6,7 @@ make a node raise or wait.
 Source: https://wiki.ros.org/ROS/Technical%20Overview, Master_API, Slave_API, TCPROS; rospy for further behavior that
 ROS's tools rely on.
 
-Differs: a node registers again with a restarted master, unlike nodes of rospy and roscpp. UDPROS is not supported.
+Differences: a node registers again with a restarted master, unlike nodes of rospy and roscpp. UDPROS is not supported.
 Small messages are always sent at once (TCP_NODELAY), even if the subscriber does not request it.
 """
 
@@ -145,6 +145,7 @@ class RosNode:
         address = await self._address()
         if isinstance(address, CannotListen):
             return address
+        # The slave API reports the port of TCPROS, so the server of TCPROS starts first.
         tcpros = await self._tcpros.start(address)
         if isinstance(tcpros, CannotListen):
             return tcpros
@@ -244,6 +245,7 @@ class RosNode:
         self._subscriptions[topic] = subscription
 
         def registered(publishers: XmlRpcValue) -> None:
+            # The master's reply to a registration lists the present publishers.
             if isinstance(publishers, list):
                 subscription.set_publishers([each for each in publishers if isinstance(each, str)])
 

@@ -47,6 +47,7 @@ class SubscriberQueue:
         if not self._paused:
             self._hand_over(message)
             return True
+        # An empty queue accepts any message, because a single message may be longer than the limit.
         if self._waiting and self._waiting_bytes + len(message) > WAITING_LIMIT:
             if not self._too_slow:
                 self._too_slow = True

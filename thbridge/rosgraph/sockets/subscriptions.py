@@ -165,6 +165,7 @@ class Subscription:
 
     async def _listen(self, uri: str, listener: _Listener) -> LinkRefused | LinkEnded:
         """Receive messages of a publisher until the connection ends."""
+        # The limit applies only until the publisher's header arrives, not to the open connections.
         async with self._connecting:
             failed = await self._connect(uri, listener)
         if failed is not None:
@@ -174,6 +175,7 @@ class Subscription:
 
     async def _connect(self, uri: str, listener: _Listener) -> LinkEnded | None:
         """Connect to a publisher and wait for its header. Return the reason of a failure, or None."""
+        # In ROS, a subscriber lists the transports that it supports, and the publisher selects one.
         reply = await self._client.call(uri, "requestTopic", self._caller, self.request.topic, [[TRANSPORT]])
         offered = value_of(uri, reply)
         match offered:
@@ -185,6 +187,7 @@ class Subscription:
                 return LinkEnded(f"it does not offer {TRANSPORT}")
         try:
             async with asyncio.timeout(HANDSHAKE_SECONDS):
+                # Peers choose the publishers and their number, so these connections must leave some descriptors free.
                 check_room()
                 await asyncio.get_running_loop().create_connection(lambda: listener, host, port)
                 await asyncio.wait((listener.accepted, listener.ended), return_when=asyncio.FIRST_COMPLETED)

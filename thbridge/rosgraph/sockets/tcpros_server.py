@@ -147,6 +147,7 @@ class TcprosServer:
         if crowded or len(self._connections) >= most:
             limits = f"{most} connections, and {most * 3 // 4} from one address"
             self.complaints.warn(f"a connection is closed: the limits are {limits}")
+            # At the limit of one address, another connection of this address must end, so that no other node suffers.
             others = (*self._silent, *self._clients)
             ended = next((one for one in others if not crowded or one.address == connection.address), None)
             if ended is None:
@@ -193,6 +194,7 @@ class TcprosServer:
         if isinstance(answer, bytes | ServiceFailed):
             return answer
         if len(self._answering) >= ANSWERING_LIMIT:
+            # Python warns about coroutines that are never awaited, so the answer becomes a cancelled task.
             asyncio.ensure_future(answer).cancel()
             return ServiceFailed(f"{service} has too many pending requests")
         task = asyncio.ensure_future(_answer_in_time(service, answer, respond))

@@ -166,6 +166,7 @@ class InboundLink:
         return [ServiceRequested(self._service.name, request)]
 
     def _refuse(self, reason: str) -> list[InboundEvent]:
+        # In TCPROS, a header with the field error refuses a connection, and its text is for people.
         return [SendToPeer(encode_header({"error": reason})), *self._over(LinkRefused(reason))]
 
     def _over(self, event: LinkRefused | LinkEnded) -> list[InboundEvent]:
@@ -175,6 +176,7 @@ class InboundLink:
 
 
 def _encode_answer(answer: bytes | ServiceFailed) -> bytes:
+    # In TCPROS, one byte before the frame is 1 for a response and 0 for a failure.
     match answer:
         case ServiceFailed(reason):
             return b"\x00" + frame(reason.encode(errors="replace"))

@@ -218,6 +218,7 @@ def _add_leaves(names: list[str], space: str, tree: dict[str, XmlRpcValue]) -> N
 
 
 def _measured(value: XmlRpcValue) -> _Measure:
+    # A loop instead of recursion, because the depth is checked only after this.
     values = characters = depth = 0
     level = [value]
     while level:

@@ -144,6 +144,7 @@ class Registrations:
     def _forget(self, node: str, known: _Node) -> None:
         self._count -= len(known.registered)
         for kind, key in known.registered:
+            # A service has a URI of its own, so its provider is found by the node's name.
             provided = self._providers[kind].get(key, {}) if kind is ProviderKind.SERVICE else ()
             for provider in [each for each in provided if each.node == node] or [Provider(node, known.api)]:
                 self._remove(kind, key, provider)

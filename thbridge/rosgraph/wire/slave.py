@@ -137,7 +137,9 @@ def _get_bus_stats(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveRepl
     received: list[XmlRpcValue] = []
     for topic in node.subscriptions:
         links = by_topic[topic, False]
+        # In ROS, -1 means that the number of dropped messages is unknown.
         received.append([topic, [[c.id, c.bytes, c.messages, -1, True] for c in links]])
+    # The third list is for services. ROS only proposes it, and gives no values.
     return _done([sent, received, []], "bus stats")
 
 
@@ -158,6 +160,7 @@ def _param_update(node: NodeDescription, params: Sequence[XmlRpcValue]) -> Slave
     match params:
         case [str(key), value]:
             key = "/" + key.strip("/")
+            # With a slash at the end of both keys, /robot1 does not match /robot10.
             wanted = tuple(each for each in node.parameters if f"{key}/".startswith(f"{each.rstrip('/')}/"))
             if not wanted:
                 return _wrong("not subscribed")

@@ -84,6 +84,7 @@ def decode_header(body: bytes) -> HeaderFields | MalformedHeader:
         at += LENGTH_BYTES
         if length > len(body) - at:
             return MalformedHeader("a field is longer than the rest of the header")
+        # Only the first equal sign separates. Message definitions contain further ones, in their constants.
         name, equals, value = body[at : at + length].partition(b"=")
         if not equals:
             return MalformedHeader("a field has no '='")
@@ -117,12 +118,14 @@ class FrameBuffer:
         if len(self._held) < LENGTH_BYTES:
             return None
         (length,) = _LENGTH.unpack_from(self._held)
+        # The length is checked before the body arrives, so that a peer cannot fill the memory.
         if length > limit:
             self._held.clear()
             return OverlongFrame(length, limit)
         end = LENGTH_BYTES + length
         if len(self._held) < end:
             return None
+        # A slice of the bytearray itself would copy the body twice.
         body = bytes(memoryview(self._held)[LENGTH_BYTES:end])
         del self._held[:end]
         return body
