@@ -186,6 +186,7 @@ def plan_request(cursor: Cursor) -> PlanRequest | InvalidMessage:
     if start_frame:
         start = _pose_in_map(cursor, start_frame)
     else:
+        # The pose is not used, but the goal comes after it.
         cursor.spatial_pose()
     _, goal_frame = cursor.header()
     goal = _pose_in_map(cursor, goal_frame)
@@ -211,6 +212,7 @@ def _pose_in_map(cursor: Cursor, frame: str) -> Pose2 | InvalidMessage:
     if frame_name(frame) != MAP_FRAME:
         return InvalidMessage(f"its frame is {frame!r}; give it in the frame {MAP_FRAME!r}")
     length = math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
+    # The sum is finite only if all these numbers are finite.
     if not math.isfinite(x + y + z + length):
         return InvalidMessage("its pose is not finite")
     if max(abs(x), abs(y)) > FARTHEST:
@@ -221,4 +223,5 @@ def _pose_in_map(cursor: Cursor, frame: str) -> Pose2 | InvalidMessage:
     if 1.0 - 2.0 * (qx * qx + qy * qy) < _FLAT:
         return InvalidMessage("its pose is tilted; robots here drive in the plane")
     yaw = elementary.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
+    # Headings here are in [-pi, pi), but the arctangent may be pi.
     return Pose2(x, y, yaw if yaw < math.pi else -math.pi)

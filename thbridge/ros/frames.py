@@ -110,6 +110,7 @@ class PlanarMount:
     def of(cls, pose: FloatArray) -> "PlanarMount":
         """Return the mounting of a laser from its (4, 4) pose in the base frame."""
         yaw = elementary.atan2(pose[1, 0], pose[0, 0])
+        # Rounding may make this cosine slightly larger than 1.
         upward = float(pose[2, 2])
         return cls(
             Pose2(float(pose[0, 3]), float(pose[1, 3]), wrap_angle(yaw)),

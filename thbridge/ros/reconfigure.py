@@ -5,8 +5,8 @@ In ROS, each node, costmap, layer and planner with live parameters is a server w
 
 Source: ros/dynamic_reconfigure, server.h, config_tools.h and encoding.py; its messages Config and ConfigDescription.
 
-Differs: all levels are 0, because no part has to be restarted. `restore_defaults` is missing. A parameter that accepts
-only certain words is an enum, although ROS accepts any text.
+Differences: all levels are 0, because no part has to be restarted. `restore_defaults` is missing. A parameter that
+accepts only certain words is an enum, although ROS accepts any text.
 """
 
 import json
@@ -220,7 +220,6 @@ def requested_changes(
     """Return the changes in a request of dynamic_reconfigure/Reconfigure: paths, and values within their bounds.
 
     A value that is equal to the value in `config` is not a change, because clients send all values back.
-
 
     Args:
         section: the server.

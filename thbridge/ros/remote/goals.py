@@ -2,10 +2,10 @@
 
 Source: actionlib, simple_action_client.py and comm_state_machine.py, for the order of the server's messages;
 move_base.cpp, for the texts of its results.
-Differs: there is one goal at a time. The state of a goal is read from results and from status lists. A result is sent
-only once and may be lost when the network breaks, but status lists are repeated. A goal that the server does not list
-is sent a second time, because the server may have been restarted. Our goals that are no longer wanted are cancelled
-until the server ends them. These include goals of an earlier run.
+Differences: there is one goal at a time. The state of a goal is read from results and from status lists. A result is
+sent only once and may be lost when the network breaks, but status lists are repeated. A goal that the server does not
+list is sent a second time, because the server may have been restarted. Our goals that are no longer wanted are
+cancelled until the server ends them. These include goals of an earlier run.
 """
 
 from collections.abc import Sequence
@@ -164,6 +164,7 @@ class MoveBaseClient:
             else:
                 current.unlisted_ns = None
                 current.active = entry.status in {GoalStatusCode.ACTIVE, GoalStatusCode.PREEMPTING}
+                # The list also shows the end of a goal, in case the result message is lost.
                 self.receive_result(entry, now_ns)
         self._cancel_strays(now_ns)
 
@@ -180,6 +181,7 @@ class MoveBaseClient:
         elif current.cancelled_ns is not None:
             self._finish(Cancelled(current.goal))
         elif current.withdrawn_ns is None:
+            # Another client has ended the goal. `step` waits for a goal of that client.
             current.withdrawn_ns, current.active = now_ns, False
 
     def step(self, now_ns: int, *, lost: bool, stale: bool) -> None:
@@ -247,6 +249,7 @@ class MoveBaseClient:
         return next((name for name in fresh if self._listed.get(name) not in ENDED), None)
 
     def _cancel_strays(self, now_ns: int) -> None:
+        # Other goals with our prefix are from an earlier run, or have already ended here. They must not move the robot.
         current = None if self._current is None else self._current.goal_id.id
         waiting = {name: at for name, at in self._last_cancel_ns.items() if name in self._listed}
         for name, status in self._listed.items():

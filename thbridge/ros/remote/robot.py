@@ -229,6 +229,7 @@ class RemoteRobot:
                     data = pack.move_base_goal(tick_of(now_ns), goal_id, self.names.map_frame, base_in_map)
                     self._publish(self._set_goal, data, now_ns)
                 case OutgoingCancel(name):
+                    # In actionlib, an id with the time 0 cancels only the goal with this id.
                     self._publish(self._cancel, pack.goal_id(GoalId(name, 0)), now_ns)
                 case _:
                     assert_never(item)

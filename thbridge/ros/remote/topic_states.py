@@ -64,6 +64,7 @@ class RemoteScans:
         laser = LaserMount(
             mount.laser_in_base, sign * read.angle_min, sign * increment, beams, read.range_min, read.range_max
         )
+        # By the definition of LaserScan, ranges outside the laser's limits are not measurements.
         nothing = (read.ranges >= read.range_max) | (read.ranges <= read.range_min)
         return Scan(tick_of(received_ns), laser, np.where(nothing, np.float32(np.inf), read.ranges))
 

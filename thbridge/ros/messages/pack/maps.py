@@ -101,6 +101,7 @@ def outlines(tick: int, frame: str, bodies: Iterable[tuple[str, FloatArray]]) ->
     """
     parts = [_line(tick, frame, _DELETEALL, 0, "", np.empty((0, 2)))]
     for number, (name, corners) in enumerate(bodies):
+        # A line strip does not return to its first point, so that point is added at the end.
         parts.append(_line(tick, frame, ADD, number, name, np.vstack((corners, corners[:1]))))
     return UINT32.pack(len(parts)) + b"".join(parts)
 

@@ -90,11 +90,12 @@ class OdometryRows:
     """
 
     def __init__(self, robots: int, covariance: bytes) -> None:
+        # Numbers of a row: 7 for the pose, 36 for its covariance, 6 for the twist, 36 for its covariance.
         self._rows = np.zeros((robots, 85))
         self._rows[:, 7:43] = self._rows[:, 49:] = np.frombuffer(covariance)
 
     def packed(self, poses: FloatArray, twists: FloatArray) -> list[bytes]:
-        """Return the bytes for each of (n, 3) poses and (n, 2) twists: m/s forward, rad/s anticlockwise."""
+        """Return the bytes for each of (n, 3) poses and (n, 2) twists: m/s forward, rad/s counterclockwise."""
         rows = self._rows
         fill_poses(rows, poses)
         rows[:, 43] = twists[:, 0]
