@@ -101,6 +101,7 @@ class TextClient(ReconnectingClient):
         await self._events.put(loss)
 
     async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> ConnectionLost:
+        # The server expects the key before any line of the protocol.
         if self._key is not None:
             writer.write(key_line(self._key.secret))
             refused = await self._answer(reader)

@@ -149,6 +149,7 @@ class TextServer:
             return CannotListen.because(error, host, port)
         self._watch = asyncio.get_running_loop().create_task(self._check_idle())
         if host == LOCALHOST:
+            # The participant's window of 2016 connects to the machine's own name, which Debian maps to this address.
             try:
                 await self._door.listen(lambda: _Connection(self), DEBIAN_HOST, address.port, tls)
             except OSError as error:
@@ -161,6 +162,7 @@ class TextServer:
             return
         self._door.close()
         self._watch.cancel()
+        # The router does not know these connections, so they are closed here.
         for connection in tuple(self._without_key):
             connection.abort()
         self._perform(self._router.stop())
@@ -229,6 +231,7 @@ class TextServer:
     def arrived(self, connection: _Connection, transport: Transport) -> bool:
         """Admit a new connection. Return False if the server is full or does not admit the client's machine."""
         encrypted = is_encrypted(transport)
+        # Clients with TLS may be on any machine, because they must present a key.
         stranger = None if encrypted else self._admission.refused(transport)
         if stranger is not None:
             self.complaints.warn(f"a client at {stranger} is rejected: its address is in no network of open_to")
@@ -299,6 +302,7 @@ class TextServer:
             await asyncio.sleep(_CHECK_INTERVAL)
             self._perform(self._router.advance(self._clock()))
             if self._keys is not None:
+                # A key may be revoked while its client is connected.
                 for connection, credentials in tuple(self._with_key.items()):
                     self._turn_out(connection, self._keys.why_not(credentials))
 
@@ -360,6 +364,7 @@ class _Connection(BufferedProtocol):
             self._take_key(data)
             return
         begun, self._begun = self._begun, True
+        # Web pages can open only connections that begin with an HTTP request, so the first bytes are enough.
         if not begun and self._transport is not None and begins_http(data):
             self._server.complaints.warn("a client is rejected: it sent HTTP, as web pages in browsers do")
             self._transport.abort()
@@ -382,6 +387,7 @@ class _Connection(BufferedProtocol):
         self._timer.cancel()
         found = self._server.identify(line)
         if isinstance(found, str):
+            # Nothing is read until the answer, so that the client cannot try another key at once.
             self._transport.pause_reading()
             self._timer = asyncio.get_running_loop().call_later(_WRONG_KEY_SECONDS, self._refuse, found)
             return
@@ -447,6 +453,7 @@ def _close(transport: Transport, flush: bool) -> None:
     elif flush:
         transport.close()  # TLS sends the pending bytes and then closes both directions at once.
     if flush:
+        # A client that does not read must not keep the connection open.
         asyncio.get_running_loop().call_later(_LINGER, transport.abort)
     else:
         transport.abort()

@@ -91,11 +91,13 @@ class ClientSession:
         match parts:
             case [TextCommand.PING]:
                 return [SendToServer(_PONG_LINE)]
+            # The first ack answers the registration. Further acks need no reaction.
             case [TextCommand.ACK] if not self._registered:
                 self._registered = True
                 return [NameRegistered()]
             case [TextCommand.SHUTDOWN]:
                 self._ended = True
+                # Before the registration, this line means that the server rejects the client.
                 stops = self._registered and not self._refused
                 reason = ServerCloseReason.STOPPED if stops else ServerCloseReason.REFUSED
                 return [ClosedByServer(reason, self._refused)]

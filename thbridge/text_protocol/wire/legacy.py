@@ -147,13 +147,16 @@ LegacyValue: TypeAlias = (
 )
 
 _NUMBER = rf"([0-9]{{1,{_MAX_DIGITS}}})"
+# The room's number also replaces y, so both numbers must be equal.
 _GOTO = re.compile(rf"{_NUMBER} {_NUMBER} \2 {_HEADING}")
 _ARRIVED = re.compile(rf'"{_NUMBER};{_NUMBER}"')
 _ASK = re.compile(rf'"{_NUMBER}"')
 _FOUND = re.compile(rf'{_NUMBER} \1 "((?:\([^():]+: ?.*\))?)"')
+# A value may contain brackets, so it ends only before the next label or at the end.
 _SENSE = re.compile(r"\(([^():]+): ?(.*?)\)(?= \([^():]+:|$)")
 _SNAP = re.compile(_NUMBER)
 _IMAGE = re.compile(rf"{_NUMBER} (\S+)")
+# The closing quotation mark is optional, because TabUI never sent it.
 _IDENTIFY = re.compile(rf'"{_NUMBER}, ?(.*?)"?')
 _SCORE = re.compile(rf",(-?[0-9]{{1,{_MAX_DIGITS}}})")
 
@@ -165,6 +168,7 @@ def decode(message: TextMessage) -> LegacyValue | UnreadableText:
         case TextCommand.GOTO:
             if found := _GOTO.fullmatch(text):
                 return GotoRoom(int(found[1]), int(found[2]))
+        # The programs of 2016 used some commands for two kinds of messages. Only the content distinguishes them.
         case TextCommand.ERROR:
             if found := _ARRIVED.fullmatch(text):
                 return RoomReached(int(found[1]), int(found[2]))

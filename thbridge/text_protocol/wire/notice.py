@@ -56,6 +56,7 @@ class Notice:
     def request(self) -> int | None:
         """Number that the sender gave this request, the same in each repetition. None if the request has no number."""
         number = self.fields.get(_REQUEST)
+        # The exact type is compared, because True is an instance of int too.
         return number if type(number) is int and number in COUNTED else None
 
 

@@ -252,6 +252,7 @@ class LocalEndpoints:
         Raises:
             ValueError: the name is not one token.
         """
+        # White space separates the names in a line, so messages could not be addressed to such a name.
         if tokens(name) != [name]:
             raise ValueError(f"not one token: {name!r}")
         if name in self._holders:
@@ -349,6 +350,7 @@ class MessageRouter:
             return []
         outputs: list[RouterOutput] = []
         for line in client.lines.feed(data):
+            # Any line shows that the client is alive, not only the answer to a ping.
             client.last_line, client.pinged = now, None
             if isinstance(line, OverlongLine):
                 outputs += [LineSkipped(connection, line.length), SendToClient(connection, ACK_LINE)]
@@ -416,6 +418,7 @@ class MessageRouter:
         outputs: list[RouterOutput] = []
         for endpoint, message in self.local.take_submitted():
             outputs += self._forward(endpoint, message)
+        # Hand out only now, so that all messages of a tick are received in the next tick, in any order of the programs.
         self.local.hand_out()
         return outputs
 
@@ -441,6 +444,7 @@ class MessageRouter:
                 message = parse_tokens(parts)
                 if isinstance(message, TextMessage):
                     outputs += self._forward(client, message)
+        # The server of 2016 acknowledged every line, even if it did not know the command.
         if client.id in self._connections:
             outputs.append(SendToClient(client.id, ACK_LINE))
         return outputs
@@ -453,6 +457,7 @@ class MessageRouter:
         if reason is not None:
             return self._turn_out(client, name, reason)
         holder = self._holders.get(name)
+        # No program may hold SERVER, because the server sends its own notices under this name.
         if name == SERVER or (holder is not None and holder is not client):
             if not (extended and isinstance(holder, _Connection) and _is_dead(holder, client, token)):
                 return [SendToClient(client.id, SHUTDOWN_LINE), *self._close(client, CloseReason.NAME_TAKEN)]
@@ -493,6 +498,7 @@ class MessageRouter:
 
     def _fresh_number(self) -> str:
         self._number += 1
+        # A program may have registered a number as its name.
         while str(self._number) in self._holders:
             self._number += 1
         return str(self._number)
@@ -515,8 +521,10 @@ class MessageRouter:
 
 
 def _is_dead(holder: _Connection, newcomer: _Connection, token: str | None) -> bool:
+    # Otherwise a program with one key could take over the name of a program with another key.
     if holder.credentials.key != newcomer.credentials.key:
         return False
+    # With the same token, the newcomer is the same program, which has reconnected after a network failure.
     return holder.pinged is not None or (token is not None and holder.token == token)
 
 
@@ -550,6 +558,7 @@ def _withheld(client: _Connection, message: TextMessage) -> str | None:
     """Return the reason why a client's credentials do not allow a message, or None if they do."""
     if not client.credentials.extended and is_notice(message):
         return _NEEDS_KEY
+    # Without a key, a message may have any sender, as at the server of 2016.
     if not client.credentials.key:
         return None
     if message.sender != client.name:
