@@ -62,6 +62,7 @@ class FoxgloveServer(ServerListener):
                 message_backlog_size=_MOST_WAITING,
             )
         except RuntimeError as error:
+            # Of the library's message, keep only the system's reason.
             return CannotListen(host, port, str(error).rpartition(": ")[2].partition(" (os error")[0])
         return ListeningAddress(host, self._server.port)
 

@@ -169,6 +169,7 @@ class _Acceptor:
             for _ in range(_AT_ONCE):
                 self._welcome(self._next())
         except (BlockingIOError, InterruptedError, ConnectionAbortedError):
+            # No further connection waits, its client has left, or enough connections were refused in this round.
             return
         except OSError as error:
             # The system has no descriptor or no memory left, so an immediate attempt would fail too.

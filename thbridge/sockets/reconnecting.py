@@ -115,15 +115,18 @@ class ReconnectingClient(ABC):
                 reader, writer = await asyncio.open_connection(
                     self._host, self._port, limit=self._segment, ssl=self._context
                 )
+        # This is a subclass of SSLError, so it must be caught first.
         except ssl.SSLCertVerificationError as error:
             return ConnectionLost(LossReason.UNTRUSTED, f"{self._host}:{self._port}: {error.verify_message}")
         except ssl.SSLError as error:
             return ConnectionLost(LossReason.UNTRUSTED, f"{self._host}:{self._port} does not use TLS ({error.reason})")
+        # An invalid host name raises UnicodeError, and an invalid port OverflowError.
         except (OSError, UnicodeError, OverflowError) as error:
             reason = reason_of(error) if isinstance(error, OSError) else str(error)
             return ConnectionLost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {reason}")
         try:
             if self._key is not None and self._context is not None:
+                # The server must be checked before the key is sent, because a false server could use the key.
                 check_server(writer.transport, self._key)
             return await self._listen(reader, writer)
         except UntrustedServer as error:

@@ -34,6 +34,7 @@ def server_context(certificate: Certificate) -> ssl.SSLContext:
     """Return the context of a server with a certificate. Raises OSError if its files are missing."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_3
+    # With an empty password, OpenSSL does not ask for one on the terminal if the file is encrypted.
     context.load_cert_chain(certificate.path, password="")
     return context
 
@@ -42,6 +43,7 @@ def client_context(key: ClientKey) -> ssl.SSLContext:
     """Return the context of a client. Without a fingerprint in the key, a public authority must certify the server."""
     context = ssl.create_default_context() if key.fingerprint is None else ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     if key.fingerprint is not None:
+        # The order matters: Python refuses CERT_NONE while check_hostname is True.
         context.check_hostname = False
         context.verify_mode = ssl.CERT_NONE  # `check_server` compares the fingerprint instead.
     context.minimum_version = ssl.TLSVersion.TLSv1_3
