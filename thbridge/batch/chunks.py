@@ -1,4 +1,4 @@
-"""Chunks: parts of a sweep. A chunk is some games of one condition; one worker plays all of them."""
+"""Chunks: parts of a sweep. A chunk contains games of one condition, and one worker plays all these games."""
 
 import itertools
 import re

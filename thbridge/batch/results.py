@@ -225,7 +225,7 @@ def read_digests(path: Path) -> Mapping[int, tuple[str | None, str]]:
 
 
 def game_faults(path: Path, condition: int) -> list[str]:
-    """Return a sentence for each game of a chunk without a result. Raises BadFile."""
+    """Return a sentence for each game without a result in a chunk. Raises BadFile."""
     return [
         f"condition {condition}, seed {row['seed']}: {row['fault']}"
         for row in read_table(path, ["seed", "fault"]).to_pylist()

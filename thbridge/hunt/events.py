@@ -38,7 +38,8 @@ class Commander(StrEnum):
     """Commander of a robot: the participant, or another party that has taken command.
 
     A ground station commands a robot until the station gives the robot back. A researcher or an external program
-    commands a robot during their goal or manual drive; then the earlier commander commands it again.
+    commands a robot only while the robot drives to their goal or is driven by hand. Afterwards, the earlier commander
+    commands the robot again.
     """
 
     PARTICIPANT = "participant"

@@ -31,7 +31,7 @@ class TourStart:
 
     Attributes:
         costs: energy from the start to every place, by the number for people, as in a row of `CostMatrix`.
-        energy: energy of the robot. A tour may use all of it.
+        energy: energy of the robot. A tour may use all of this energy.
     """
 
     costs: tuple[float, ...]
@@ -282,7 +282,8 @@ def _joined(plan: _Plan, spent: NDArray[np.float64], worth: NDArray[np.int64], r
         best = np.maximum.reduceat(number, begins)
         energy[number < np.repeat(best, lengths)] = np.inf
         cheapest = np.minimum.reduceat(energy, begins)
-        # Subsets are in ascending order, within a block and between blocks. So the lowest of equal subsets is kept.
+        # Subsets are in ascending order, within a block and between blocks. So the lowest of several equally good
+        # subsets is kept.
         position = np.where(energy == np.repeat(cheapest, lengths), positions, len(whole))
         subset = part[np.minimum.reduceat(position, begins)] | (int(high_part) << low)
         better = (best > most[high]) | ((best == most[high]) & (cheapest < least[high]))

@@ -51,7 +51,7 @@ def best_tour(
         costs: energy of moves between places.
         at: place of the robot. It does not count as unvisited, even if it is in `unvisited`.
         unvisited: rooms to visit, in any order.
-        energy: energy of the robot. A tour may use all of it.
+        energy: energy of the robot. A tour may use all of this energy.
         visit: energy that the robot spends in each room before the next move. It reduces the robot's energy, but is not
             part of the tour's cost.
 

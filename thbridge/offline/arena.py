@@ -254,7 +254,7 @@ def outline_of(mask: Mask) -> list[Point]:
 
 
 def simplified(corners: Sequence[Point], tolerance: float) -> list[Point]:
-    """Return a closed outline with fewer corners. The distance of removed corners from it is at most `tolerance`.
+    """Return a closed outline with fewer corners. Removed corners are at most `tolerance` from the new outline.
 
     Source: D. Douglas and T. Peucker, "Algorithms for the reduction of the number of points required to represent a
     digitized line", The Canadian Cartographer 10, 1973. The outline is cut at its first corner and at the corner that

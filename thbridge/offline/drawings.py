@@ -29,7 +29,7 @@ OPENED = 0.97
 If no width connects nearly all floor, the first width that reaches this share is used.
 """
 WALLED = 0.8
-"""Share of the maximum floor inside over all widths. A width with a smaller share has also removed walls."""
+"""Share of the maximum floor inside over all widths. A line width with a smaller share also removes walls."""
 CUSP = 4
 """Maximum extent of filled spots between thin lines that are not walls, as a multiple of the line width."""
 OPENING = 2.5

@@ -270,8 +270,9 @@ def _room() -> OccupancyGrid:
 def covered(true: PathSpread, believed: PathSpread) -> float:
     """Return the share of the true ends inside the 95 % ellipse of the filter.
 
-    The two spreads are mirror images. In `true`, the robot is on the course, but its odometry is not. In `believed`,
-    odometry is on the course, but the robot is not. For such short distances, the errors are equal.
+    The two spreads are mirror images. In `true`, the robot follows the course exactly, and its odometry differs. In
+    `believed`, odometry follows the course exactly, and the robot differs. For these short distances, the errors
+    are equal.
     """
     spread = np.cov(believed.paths[:, -1].T) + 1e-12 * np.eye(2)
     off = believed.centre - believed.driven[-1] - (true.paths[:, -1] - true.driven[-1])

@@ -80,7 +80,9 @@ def remake_export(
     versions: Mapping[str, str],
     changed: Sequence[str] | None,
 ) -> tuple[Path, ...]:
-    """Write an export again in the same folder, with the same events of the log, without events deleted meanwhile.
+    """Write an export again in the same folder, from the same events of the log.
+
+    Events that were deleted meanwhile are left out.
 
     Tables, texts and results of the scripts are replaced or deleted. Scripts that a user changed are kept. If the
     program is interrupted, the old manifest remains.

@@ -328,7 +328,7 @@ class Keeper:
             if self.state is not None:
                 sense_for_stations(self._game, self.state)
             if self.state is not None:
-                # Wait for decisions only of our own programs: programs of 2016 never leave a treasure.
+                # Wait only for the decisions of our own programs: programs of 2016 never leave a treasure.
                 awaits = not self._participants.is_empty
                 self._game.record(rules.ending(self.state, wait_for_decisions=awaits))
             self._send_notices()

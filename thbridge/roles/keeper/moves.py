@@ -34,7 +34,7 @@ class TeamMoves:
         return self._ordered[robot] == self._latest[robot]
 
     def stop(self, robot: int) -> None:
-        """Stop a moving robot. Its move ends when SimR reports the driven share."""
+        """Stop a moving robot. The move ends when SimR reports the driven share."""
         self._stopping.add(robot)
 
     def is_stopping(self, robot: int) -> bool:

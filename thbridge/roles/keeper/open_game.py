@@ -137,7 +137,10 @@ class OpenGame:
         return self.knowledge.where(state, self.dialogues, robot, self.tick, advised)
 
     def stop(self, robot: int) -> None:
-        """Stop a moving robot. Its move ends when SimR reports the driven share. Without an order, it ends now."""
+        """Stop a moving robot. The move ends when SimR reports the driven share.
+
+        If SimR does not have the order for this move yet, the move ends now.
+        """
         if self.state is not None and not self.moves.is_ordered(robot):
             self.apply_ruling("Failed", rules.fail(self.state, robot, CALLED_BACK, 0.0))
         else:

@@ -116,7 +116,7 @@ class ConnectedTeam:
         return self._permission
 
     def changed_permission(self, *, recordable: bool) -> RecordingPermission | None:
-        """Return the answer to SimR's question if it has changed. Return None if it has not, or SimR has not asked."""
+        """Return a changed answer to SimR's question. Return None if it is unchanged or SimR has not asked."""
         known = self._permission
         return None if known in {None, RecordingPermission(recordable)} else self.permission(recordable=recordable)
 

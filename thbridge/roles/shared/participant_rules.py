@@ -191,7 +191,7 @@ def _discuss(state: GameState, robot: int, matter: str, room: Room) -> rules.Rul
         return RequestRefused(rules.RuleReason.NOBODY_THERE, f"This robot does not stand in {room}.")
     if matter == "take-picture":
         return rules.picture(state, room)
-    # The name does not matter. This only checks whether naming is allowed and the robot has enough energy.
+    # This only checks whether naming is allowed and the robot has enough energy, so any name will do.
     return rules.identify(state, room, "", 0)
 
 

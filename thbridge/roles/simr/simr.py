@@ -224,7 +224,7 @@ class SimR(RobotsRole):
             self._inputs += [CancelGoal(robot), PlaceRobot(robot, pose)]
 
     def _obey_without_keeper(self, tick: int) -> None:
-        """Obey lines that have waited for a keeper until the timeout. If there is a keeper, drop these lines."""
+        """Obey lines that have waited for a keeper for the full timeout. If there is a keeper, drop these lines."""
         if self._orders is not None:
             self._waiting.clear()
         while self._waiting and tick - self._waiting[0][0] >= KEEPER_TIMEOUT:

@@ -147,7 +147,9 @@ def _fitted(known: Sequence[tuple[Sequence[_Way], float]]) -> FloatArray:
 
 
 def non_negative_weights(parts: FloatArray, wholes: FloatArray) -> FloatArray:
-    """Return (k,) non-negative weights of parts: the weighted sums fit the (n,) wholes best, by least squares.
+    """Return the (k,) non-negative weights of parts for which the weighted sums are nearest to the (n,) wholes.
+
+    The fit is by least squares.
 
     The best weights are the weights of an unconstrained fit to some of the parts. There are only a few parts, so all
     subsets of parts are tried.
