@@ -163,7 +163,7 @@ class Hub:
             for number, link in self._links.items()
             if number != origin
             and link.robot is None
-    # The sender is also present on this link, so the message has already arrived there.
+            # The sender is also present on this link, so the message has already arrived there.
             and not link.is_present(sender, self._tick)
             and (link.is_active(self._tick) if system == BROADCAST else link.leads_to(system, wanted, self._tick))
         ]

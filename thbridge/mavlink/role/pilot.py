@@ -99,8 +99,8 @@ class Pilot:
         start: start pose, map frame.
         speed_limit: speed limit of the robot.
         parameters: its parameters in MAVLink.
-        ask: queues requests to robots and game for the next tick. These requests are no inputs of a recording, because
-            they follow from the recorded frames.
+        ask: queues requests to robots and game for the next tick. Recordings do not contain these requests,
+            because they follow from the recorded frames.
     """
 
     def __init__(

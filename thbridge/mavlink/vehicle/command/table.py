@@ -37,7 +37,7 @@ _FORCED = frozenset({21196, 2989})
 
 _REPOSITION_CHANGES_MODE = 1
 _LARGEST_ID = 0xFFFF
-"""Largest number of a mission item."""
+"""Maximum number of a mission item."""
 
 
 class CommandTable:

@@ -48,7 +48,6 @@ class ControlInputs(Microservice):
     Stations send them even when they do not intend to drive. If the mode does not use them, they are ignored without a
     warning. If the mode uses them, a station that does not command the robot gets a warning.
 
-
     Args:
         system: system id of the vehicle. MANUAL_CONTROL contains only this id and no component.
         robot: interface to the robot.

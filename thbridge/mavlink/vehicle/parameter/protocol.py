@@ -65,6 +65,7 @@ class ParameterProtocol(Microservice):
                 value, kind = message.param_value, message.param_type
                 yield from self._set(link, sender, message.param_id, value, kind)
             case mav.MAVLink_param_ext_request_list_message():
+                # The count of 0 means that there are no extended parameters.
                 yield OutgoingMessage(
                     mav.MAVLink_param_ext_value_message(b"", b"", mav.MAV_PARAM_EXT_TYPE_REAL32, 0, 0), link
                 )

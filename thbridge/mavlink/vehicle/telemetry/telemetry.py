@@ -238,6 +238,7 @@ class Telemetry:
         )
 
     def _attitude(self, now: TelemetryState) -> Message:
+        # MAVLink's z axis points down, so a turn to the right is positive.
         yaw, rate = yaw_of(now.readings.base_in_map.theta), -now.readings.twist.angular
         return mav.MAVLink_attitude_message(now.milliseconds, 0.0, 0.0, yaw, 0.0, 0.0, rate)
 
