@@ -54,7 +54,7 @@ class RecordedDigest:
     """Digest of a session's messages. `thbridge bag info --hash` prints the same digest for the recording.
 
     Args:
-        recording: options of the recording. They may exclude messages.
+        recording: options of the recording. These options may exclude messages.
     """
 
     def __init__(self, recording: RecordingSection) -> None:

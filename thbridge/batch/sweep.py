@@ -1,4 +1,4 @@
-"""The run of a sweep: it plays missing games and repeats randomly chosen games. If workers die, it continues."""
+"""The run of a sweep: it plays missing games and repeats randomly chosen games. If workers die, the run continues."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence

@@ -100,7 +100,10 @@ class Conductor:
         return None
 
     def debrief(self, participant: str) -> PlannedStep | None:
-        """Begin or resume the next debriefing of a person who left or was excluded. Return None if none is left."""
+        """Begin or resume the next debriefing of a person who left or was excluded.
+
+        Return None if the person needs no further debriefing.
+        """
         step = self.progress.next_debriefing(participant)
         if step is not None and step.number in self.progress.runs[participant].debriefs:
             self._of_step(EventKind.STEP_RESUMED, "program", participant, step, {"from": str(ResumeRule.BEGINNING)})

@@ -76,7 +76,7 @@ class ExperimentFolder:
 
     @property
     def origins(self) -> KnownFolders:
-        """For a backup: the list of folders of its study, the most recent folder last."""
+        """The list of folders of a backup's study, the most recent folder last. Only a backup has this list."""
         return KnownFolders(self.root / STORE / "origins.json", self.root, "studies")
 
     @property

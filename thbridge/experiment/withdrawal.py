@@ -286,7 +286,7 @@ def _has_recordings(folder: ExperimentFolder, participant: str) -> bool:
 
 
 def _named_elsewhere(entries: Sequence[LogEntry], participant: str) -> list[str]:
-    """Return sentences about other people's events that name a participant. The study needs these events."""
+    """Return sentences about other people's events that name a participant. These events are kept."""
     return [
         f"Event {entry.sequence} ({entry.event.kind} of {entry.event.participant}) names {participant}. The log keeps "
         "this event."

@@ -66,7 +66,7 @@ Ruling = tuple[Event, ...] | RequestRefused
 
 
 def command(state: GameState, robot: int, by: CommandHolder) -> Ruling:
-    """Give the command of a robot to the participant or a ground station. A researcher's intervention continues.
+    """Make the participant or a ground station the commander of a robot. A researcher's intervention continues.
 
     This is also possible after the end of a game: robots can drive, and the result of the game does not change. A
     moving robot continues its move. A repeated request gives no event.
@@ -301,7 +301,9 @@ def tell(state: GameState, room: Room, name: str, value: str) -> Ruling:
 
 
 def picture(state: GameState, room: Room, reported: str | None = None) -> Ruling:
-    """Take a picture in the room of a robot. The first picture in a room costs energy. Later it is shown without cost.
+    """Take a picture in the room of a robot.
+
+    The first request in a room costs energy. Later requests show the same picture without cost.
 
     Args:
         state: the game.

@@ -220,7 +220,9 @@ def _largest(mask: Mask) -> Mask:
 
 
 def outline_of(mask: Mask) -> list[Point]:
-    """Return the corners (column, row) of the outer edge of connected cells, counterclockwise from the lowest left one.
+    """Return the corners (column, row) of the outer edge of connected cells, counterclockwise.
+
+    The list starts with the lowest left corner.
 
     If two cells touch only at a corner, the edge continues along the same cell. So the edge does not cross itself.
     """

@@ -146,7 +146,7 @@ def reached_floor(grid: OccupancyGrid, inscribed: float) -> tuple[float, tuple[t
     """Return the share of a plan's floor that is connected for a robot with this inner radius (meters), and the rest.
 
     Returns:
-        The share (0 without floor). And the middle (map frame) and size (square meters) of each other part with at
+        The share (0 without floor), and the middle (map frame) and size (square meters) of each other part with at
         least the size of a room, the largest part first.
     """
     areas, sizes = _closed_floors(grid, inscribed)

@@ -58,7 +58,7 @@ def export_experiment(
         entries: entries of its log.
         folder: target folder; it is created if it does not exist.
         versions: versions of the programs.
-        changed: changes since the experiment was registered. If None, it was not registered.
+        changed: changes since the experiment was registered, or None if the experiment was not registered.
 
     Raises:
         BadFile: the folder is not empty, or cannot be written.

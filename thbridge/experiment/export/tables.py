@@ -125,7 +125,7 @@ def tables_of(design: ExperimentDesign, entries: Sequence[LogEntry]) -> tuple[Ex
 def game_tables(records: ExperimentRecords) -> Iterator[ExperimentTable | str]:
     """Yield the tables of games in pieces, trial by trial. For a missing recording, yield a sentence.
 
-    Only one recording is open at a time. Its utterances and events are in memory.
+    Only one recording is open at a time, with its utterances and events in memory.
     """
     scores_by: dict[str, list[GivenScore]] = {}
     for score in records.scores:

@@ -237,7 +237,7 @@ class ExperimentLog:
         The same transaction appends an event of kind WITHDRAWN with the numbers of the deleted events.
 
         Raises:
-            BadFile: the log cannot be written. No event was deleted.
+            BadFile: the log cannot be written. In this case, no event was deleted.
         """
         self.flush()
         try:
@@ -608,7 +608,7 @@ def _recover(path: Path) -> None:
 
 
 def _is_just_made(path: Path) -> bool:
-    """Return True for a log without a head and events. Its program crashed before it wrote the head."""
+    """Return True for a log without a head and events: the program crashed before it wrote the head."""
     if head_path(path).exists():
         return False
     try:

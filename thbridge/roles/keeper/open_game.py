@@ -111,7 +111,7 @@ class OpenGame:
         self._entries += [
             DialogueSaid(said.dialogue, said.index, said.speaker, said.author, move_text(said.move), said.text)
             for said in fresh
-            # A conclusion is not a turn. It follows from the turns.
+            # A conclusion is not a turn. The turns determine the conclusion.
             if not isinstance(said.move, Conclude)
         ]
 

@@ -73,9 +73,10 @@ class TabUI:
     Args:
         player: program part that decides for the participant.
         observer: object that receives all notices. Without an observer, TabUI does not subscribe to pose telemetry.
-        consent: consent of a participant who agreed to take part before this program joined. It is sent first.
+        consent: consent of a participant who agreed to take part before this program joined. TabUI sends it first.
         first_number: number of the first request. It is random if another program with the same run id may follow, such
-            as a window that is opened again. So the keeper does not count new requests as repetitions.
+            as a window that is opened again. With a random number, the keeper does not count
+            new requests as repetitions.
 
     Attributes:
         view: the latest view, or None before the first view.

@@ -172,7 +172,7 @@ class LastWords:
         room: number of the agreed room. Without an agreement, number of the room in the dialogue.
         said: all sentences, oldest first. Empty if there were no new sentences.
         speakers: speaker of each sentence.
-        agreed: True if the decision is carried out. The side with the last word has decided this.
+        agreed: True if the side with the last word has decided that the decision is carried out.
         is_told: True if a sentence of the robot states the next event.
     """
 
@@ -188,7 +188,7 @@ class LastWords:
 
 @dataclass(frozen=True, slots=True)
 class Consent:
-    """Agreement between the participant and a robot. The participant may now carry it out.
+    """Agreement between the participant and a robot. The participant may now carry out the agreement.
 
     Attributes:
         robot: index of the robot, from 0.

@@ -179,9 +179,8 @@ def _motion(output: RobotOutput, condition: Condition, progress: float) -> Robot
 class _Plan:
     """A robot's plan, reduced to a few points.
 
-    A new plan is reduced once. During the drive, it is only shortened.
-
-    If the plan were reduced again at each step, it would jump on the map.
+    Only a new plan is reduced. During the drive, the reduced plan is shortened. If it were reduced again at each step,
+    the drawn path would jump on the map.
 
     Args:
         most: largest number of points.

@@ -13,11 +13,14 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 _NO_SETTINGS = ("seed", "server.", "watch.", "open_to", "keys")
-"""Prefixes of keys without effect on participants. Seeds have their own sentence. The others concern the network."""
+"""Prefixes of keys without effect on participants.
+
+Seeds have their own sentence in the text. The other prefixes concern the network.
+"""
 
 
 def settings_that_differ(design: ExperimentDesign) -> Iterator[tuple[str, str, str]]:
-    """Yield the key, default and value of each setting that is not the default. If it varies, list all values."""
+    """Yield the key, default and value of each setting that is not the default, or all values if they vary."""
     default = _flat(Study())
     found = [_flat(study) for cell in design.cells for study in cell.studies]
     for key in dict.fromkeys(key for settings in (default, *found) for key in settings):
@@ -40,7 +43,7 @@ def practice_settings(design: ExperimentDesign, index: int) -> Iterator[tuple[st
 
 
 def same_in_all(design: ExperimentDesign, key: str) -> str:
-    """Return the value of a setting in all games. If it varies, list all values."""
+    """Return the value of a setting in all games, or a list of all values if it varies."""
     values = (value_at(study, key) for cell in design.cells for study in cell.studies)
     return " or ".join(dict.fromkeys(_plain(as_yaml(value)) for value in values))
 

@@ -81,7 +81,7 @@ class Participants:
         return briefed
 
     def is_repetition(self, request: Notice) -> bool:
-        """Return True if the sender has already used the request's number in this run. Store the number.
+        """Return True if the sender has already used the request's number in this run, and store the number.
 
         A request without a number never counts as a repetition.
         """

@@ -143,7 +143,7 @@ class LegacyLines:
     def _picture(self, state: GameState, room: Room, needs_consent: bool) -> TextMessage | None:
         if state.treasures is None:
             return None
-        # A picture that was already taken is sent again. The present place of the robot does not matter.
+        # A picture that was already taken is sent again, wherever the robot is now.
         if not state.has_room(room) or state.room(room).image is None:
             ruling = rules.picture(state, room)
             if needs_consent:
