@@ -322,6 +322,7 @@ class Team:
         if isinstance(placed, WorldState):
             self._state = placed
         elif placed.reason in {"robot", "thing"}:
+            # They may move away, so the next tick tries again. A wall stays, so the attempt ends.
             return
         del self._carried[carry.robot]
 

@@ -177,6 +177,7 @@ class LocalPlanner(ABC):
 
         If the turn is blocked, turn in the other direction.
         """
+        # A robot that still drives must stop first, because otherwise it would turn in an arc.
         if abs(twist.linear) > 0.1:
             return PlannedCommand(STANDSTILL, self._preview(pose, twist, STANDSTILL), False)
         limits = self.limits
@@ -203,6 +204,7 @@ class LocalPlanner(ABC):
 
         If there is no space behind the robot, drive forward, provided that this is safe.
         """
+        # With little margin, a robot may back up only the way that it came, see `BACK_ALONG`.
         backs_up = self._body.margin == WALL_MARGIN or (
             self._came is not None and abs(wrap_angle(pose.theta - self._came)) < BACK_ALONG
         )
@@ -245,6 +247,7 @@ class LocalPlanner(ABC):
             return aligning
         heading, to_end = _toward(path, pose.x, pose.y, self.limits.heading_lookahead)
         off = abs(wrap_angle(heading - pose.theta))
+        # With two limits, small changes of the heading do not make the robot switch between turning and driving.
         self._turning = off > (TURNED if self._turning else TURN_IN_PLACE)
         if self._turning:
             return self.turn(pose, twist, heading, around)

@@ -319,6 +319,7 @@ class KalmanLocalizer:
         state = replace(state, poor=0)
         if found is None:
             return state
+        # The search has only found the present pose again.
         if near is not None and not state.lost and near.distance(found.base_in_map) < SPACING:
             return state
         self._forgotten = False

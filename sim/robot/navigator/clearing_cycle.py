@@ -104,6 +104,7 @@ class ClearingCycle:
         scan = None if controller.pending is None else controller.pending.scan
         controller.update_costmap(pose, bodies)
         goal = None if self._execution.goal is None else self._rotated.pose_in_grid(self._execution.goal.base_in_map)
+        # An installed behavior must not change the arrays of the navigator.
         costs, footprint = controller.costmap.costs.copy(), controller.costmap.footprint.copy()
         for array in (costs, footprint):
             array.setflags(write=False)

@@ -29,6 +29,7 @@ class ControlCycle:
         output = state.follower.step(tick, pose, twist, bodies)
         self._execution.command = output.command
         self._execution.enter("command due", replace(state, output=output))
+        # A robot that waits for its right of way does not count as oscillating.
         if output.waiting:
             self._execution.oscillation.pause(self._controller.control_ticks)
         else:
