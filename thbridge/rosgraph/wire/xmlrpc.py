@@ -112,8 +112,7 @@ def encode_response(value: XmlRpcValue) -> bytes:
     """Encode a successful response.
 
     Integers of more than 32 bits become ``i8``, and None becomes ``nil``. Python nodes can read these, but C++ nodes
-    cannot.
-    Characters that XML cannot contain, such as NUL, become U+FFFD.
+    cannot. Characters that XML cannot contain, such as NUL, become U+FFFD.
 
     Raises:
         ValueError: an integer has more than 64 bits, or values are nested deeper than `MAX_DEPTH` or longer than
@@ -204,6 +203,7 @@ def _write(value: XmlRpcValue, pieces: _Pieces, depth: int) -> None:
     match value:
         case str():
             pieces.add(f"<value><string>{_escaped(value)}</string></value>")
+        # This case is before int, because a bool is also an int.
         case bool():
             pieces.add(f"<value><boolean>{int(value)}</boolean></value>")
         case int():
@@ -295,6 +295,7 @@ def _parsed(data: bytes, root: str) -> _Element:
         path[-1].text.append(data)
 
     def refuse(name: str, system: str | None, public: str | None, has_subset: bool) -> None:
+        # A document type may define entities that expand to any size.
         raise _MalformedError("it declares a document type, which XML-RPC does not use")
 
     parser = expat.ParserCreate()
