@@ -41,7 +41,7 @@ class StationSocket:
 
     Attributes:
         station: the ground station.
-        is_listening: True if it waits for robots to send first; False if it sends to a given address.
+        is_listening: True if it waits for robots to send first, False if it sends to a given address.
     """
 
     def __init__(

@@ -89,11 +89,12 @@ def twist_towards(
     if speed == 0.0:
         return bounded(Twist(0.0, -yaw_rate), fastest)
     error = wrap_angle(elementary.atan2(first, second) - base_in_map.theta)
+    # If more than a right angle remains, the robot only turns.
     return bounded(Twist(speed * max(0.0, elementary.cos(error)), _TURN_RATE * error), fastest)
 
 
 def bounded(twist: Twist, fastest: Twist) -> Twist:
-    """Clamp both speeds of a twist to the largest allowed speeds."""
+    """Clamp both speeds of a twist to the maximum speeds."""
     return Twist(
         max(-fastest.linear, min(twist.linear, fastest.linear)),
         max(-fastest.angular, min(twist.angular, fastest.angular)),
