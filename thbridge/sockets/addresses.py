@@ -33,7 +33,7 @@ class ListeningAddress:
 
 
 def parse_address(text: str) -> Address | None:
-    """Parse HOST:PORT, with an IPv6 host in brackets; return None if it is invalid."""
+    """Parse HOST:PORT, with an IPv6 host in brackets. Return None if it is invalid."""
     host, colon, number = text.rpartition(":")
     if not (colon and number.isascii() and number.isdecimal() and len(number) <= 5 and 0 < int(number) <= 65535):
         return None
@@ -65,7 +65,7 @@ class UdpTarget(NamedTuple):
 
 
 def parse_target(text: str) -> UdpTarget | None:
-    """Parse HOST:PORT, or HOST:PORT/ROBOT with a robot's number from 1; return None if it is invalid."""
+    """Parse HOST:PORT, or HOST:PORT/ROBOT with a robot's number from 1. Return None if it is invalid."""
     where, slash, number = text.partition("/")
     address = parse_address(where)
     if address is None or not slash:

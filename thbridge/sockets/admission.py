@@ -32,7 +32,7 @@ class Admission:
     """Admission to a server.
 
     Attributes:
-        networks: networks of the admitted machines; this machine is always admitted.
+        networks: networks of the admitted machines. This machine is always admitted.
     """
 
     networks: tuple[Network, ...] = ()

@@ -35,7 +35,7 @@ class FoxgloveServer(ServerListener):
     """Server that sends a session's messages to all connected Foxglove windows.
 
     Args:
-        topics: topics that are advertised from the start; other topics are advertised with their first message.
+        topics: topics that are advertised from the start. Other topics are advertised with their first message.
         definitions: definitions of their types.
     """
 

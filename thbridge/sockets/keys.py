@@ -30,7 +30,7 @@ class KeyVerifier(Protocol):
 
 
 class SingleKey:
-    """A single key with all rights; see `KeyVerifier`."""
+    """A single key with all rights. See `KeyVerifier`."""
 
     tls = None
 
@@ -79,7 +79,7 @@ class RingKeys:
             return self._unreadable(error)
 
     def enter(self, key: str, game: str, *, over: bool = False) -> str | None:
-        """Use a participant's key for a game; return the reason why it cannot be used for this game, or None."""
+        """Use a participant's key for a game. Return the reason why it cannot be used for this game, or None."""
         try:
             return self._ring.enter(key, game, over=over)
         except BadFile as error:

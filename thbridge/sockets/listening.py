@@ -1,7 +1,7 @@
 """Listening sockets of a session's servers. They never use up the file descriptors that the session needs to record.
 
 A process has a limited number of descriptors (RLIMIT_NOFILE). Connections from outside must not use up the last
-descriptors; otherwise the session could not open its next journal or bag. So all servers of a process stay below a
+descriptors, because the session must be able to open its next journal or bag. So all servers of a process stay below a
 common mark. The system gives a new connection the lowest free number. If that number is not below
 the mark, all descriptors below the mark are in use, and the connection is closed at once. If there are few descriptors
 below the mark, each server gets a share of them. So a flood of connections at one server does not block the others.
@@ -37,7 +37,7 @@ _AGAIN_SECONDS = 1.0
 """Seconds until the next attempt if the system cannot accept connections."""
 
 _MOST_ARRIVING = 256
-"""Maximum number of unfinished TLS handshakes at a socket; a further handshake replaces the oldest. This is much larger
+"""Maximum number of unfinished TLS handshakes at a socket. A further handshake replaces the oldest. This is much larger
 than `_AT_ONCE`, because an honest handshake needs several rounds."""
 
 BACKLOG = 4096
@@ -80,7 +80,7 @@ class ServerDoor:
     async def listen(
         self, connection: Callable[[], BaseProtocol], host: str, port: int, tls: ssl.SSLContext | None = None
     ) -> ListeningAddress:
-        """Begin to accept connections at all addresses of a host; port 0 selects any free port.
+        """Begin to accept connections at all addresses of a host. Port 0 selects any free port.
 
         Args:
             connection: factory of the protocol of a connection.

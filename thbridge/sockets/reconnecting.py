@@ -38,8 +38,8 @@ class Backoff:
     """Delays between attempts to connect, and timeout of a connection, in seconds.
 
     Attributes:
-        initial: delay before the first reconnection; it doubles at each further reconnection.
-        maximum: longest delay between two attempts.
+        initial: delay before the first reconnection. It doubles at each further reconnection.
+        maximum: maximum delay between two attempts.
         timeout: time without a byte from the server after which the connection counts as broken. The server pings
             idle clients every 15 s.
     """
@@ -57,7 +57,7 @@ class ReconnectingClient(ABC):
         port: port of the server.
         backoff: delays between two attempts.
         segment: maximum number of bytes that are read at a time.
-        key: key to present to the server. If None, no key is presented; only servers of this machine accept this.
+        key: key to present to the server. If None, no key is presented. Only servers of this machine accept this.
         may_be_plain: True if a key without a fingerprint may be sent to servers of this machine without encryption.
     """
 
@@ -106,7 +106,7 @@ class ReconnectingClient(ABC):
 
     @abstractmethod
     async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> ConnectionLost:
-        """Exchange messages until the connection ends; return the reason."""
+        """Exchange messages until the connection ends. Return the reason."""
 
     async def _converse(self) -> ConnectionLost:
         """Connect once, exchange messages until the connection ends, and return the reason of the end."""
