@@ -45,7 +45,7 @@ class TextClient(ReconnectingClient):
 
     Args:
         name: name of the program on the server.
-        token: one word that identifies this run of the program, e.g. random digits; see `ClientSession`.
+        token: one word that identifies this run of the program, e.g. random digits. See `ClientSession`.
         key: key to present to the server over TLS. If None, the server must run on this machine.
 
     Attributes:
@@ -132,7 +132,7 @@ class TextClient(ReconnectingClient):
                         _log.warning("the server sent a line of %d bytes, which is too long; skipped", length)
 
     async def _answer(self, reader: asyncio.StreamReader) -> ConnectionLost | None:
-        """Wait for the answer to the key; return the reason why there is no connection, or None."""
+        """Wait for the answer to the key. Return the reason why there is no connection, or None."""
         try:
             async with asyncio.timeout(self._backoff.timeout):
                 answer = parse_answer(await reader.readline())

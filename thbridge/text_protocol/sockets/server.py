@@ -63,7 +63,7 @@ _WRONG_KEY_SECONDS = 1.0
 _LONGEST_KEY_LINE = 4096
 
 _MOST_WITHOUT_KEY = 64
-"""Maximum number of encrypted connections without a valid key. A further connection replaces the oldest one."""
+"""Maximum number of encrypted connections without a valid key. A further connection replaces the oldest."""
 
 
 class RouterInterface(Protocol):
@@ -98,7 +98,7 @@ class TextServer:
     """TCP server of one router. It accepts plain connections, and with keys also TLS connections.
 
     Args:
-        clock: returns seconds; must not run backward.
+        clock: returns seconds. It must not run backward.
         admission: admission of plain connections, by address.
         keys: keys for the admission of TLS connections from any machine. If None, there are no TLS connections.
     """
@@ -137,7 +137,7 @@ class TextServer:
             router: router that decides about all lines. It may have local endpoints, which have no socket.
             host: address to listen on. With `LOCALHOST` the server also listens on `DEBIAN_HOST`, if the machine has
                 that address and no other program listens there.
-            port: TCP port; 0 selects any free port.
+            port: TCP port. 0 selects any free port.
         """
         self._router = router
         if not 0 <= port <= 65535:

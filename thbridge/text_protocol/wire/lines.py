@@ -122,7 +122,7 @@ def parse_line(line: str) -> TextMessage | UnreadableText:
 
 
 def parse_tokens(parts: Sequence[str]) -> TextMessage | UnreadableText:
-    """Return the message in a line that is already split into tokens; see `parse_line`."""
+    """Return the message in a line that is already split into tokens. See `parse_line`."""
     match parts:
         # The two names after ``%%send`` are ignored. The names in the inner message count.
         case [TextCommand.SEND, _, _, command, sender, receiver, *content]:

@@ -61,7 +61,7 @@ class Notice:
 
 
 class NoticeValue(msgspec.Struct, frozen=True, tag_field="kind"):
-    """Base class of the values in notices. A class has its kind on the wire as its tag; no release changes the tags."""
+    """Base class of the values in notices. Its tag is the kind on the wire. No release changes the tags."""
 
 
 N = TypeVar("N", bound=NoticeValue)
@@ -104,7 +104,7 @@ class NoticeDecoder(Generic[N]):
         return value
 
     def read(self, message: TextMessage) -> N | None:
-        """Return the value of the notice in a message; see `decode`. If the message has no notice, return None."""
+        """Return the value of the notice in a message. See `decode`. If the message has no notice, return None."""
         notice = parse_notice(message)
         return self.decode(notice) if isinstance(notice, Notice) else None
 
@@ -131,7 +131,7 @@ def _message(sender: str, receiver: str, fields: Mapping[str, JsonValue]) -> Tex
 
 
 def is_notice(message: TextMessage) -> bool:
-    """Return True when a message has the form of a notice; its JSON may still be invalid."""
+    """Return True if a message has the form of a notice. Its JSON may still be invalid."""
     return message.command == TextCommand.ERROR and message.content[:1] == (_MARK,)
 
 

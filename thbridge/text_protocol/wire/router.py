@@ -28,7 +28,7 @@ Extended clients register with ``%%setid NAME extended [TOKEN]``. Only they
   Otherwise a stream of notices without a receiver would cause an echo.)
 * receive the notices of other extended parties. (Notices to clients of 2016 are withheld, because these clients would
   misread them.)
-* replace a dead holder of their name. It must have the same key; or both must have no key. A holder counts as dead
+* replace a dead holder of their name. It must have the same key, or both must have no key. A holder counts as dead
   if it has not answered a ping yet, or if it registered with the same TOKEN. With the same TOKEN, it is this program's
   own connection from before a network failure.
 
@@ -301,7 +301,7 @@ class LocalEndpoints:
 
 
 class MessageRouter:
-    """Router of the text server; see the module's description.
+    """Router of the text server. See the module's description.
 
     Times are seconds on any clock that does not run backward. Not safe for use by several threads at once.
 
