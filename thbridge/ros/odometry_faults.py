@@ -394,7 +394,7 @@ class _Judge:
                 yield OdometryRun(begins, stamps, poses)
 
     def kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-        """Return the valid samples, the outliers, and the cuts among the valid samples; see `SoundOdometry`."""
+        """Return the valid samples, the outliers, and the cuts among the valid samples. See `SoundOdometry`."""
         places = np.concatenate([np.arange(*piece) for piece, _ in self._corrections])
         changed = self._run_of[places[1:]] != self._run_of[places[:-1]]
         origins = np.repeat(

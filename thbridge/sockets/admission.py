@@ -12,7 +12,7 @@ _OWN = frozenset({"localhost", "ip6-localhost"})
 
 
 def parse_network(text: str) -> Network | None:
-    """Parse a network, such as 10.0.0.0/24, or a single address; return None if it is invalid."""
+    """Parse a network, such as 10.0.0.0/24, or a single address. Return None if it is invalid."""
     try:
         return ipaddress.ip_network(text.strip(), strict=False)
     except ValueError:

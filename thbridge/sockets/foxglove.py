@@ -47,7 +47,7 @@ class FoxgloveServer(ServerListener):
         self._server: WebSocketServer | None = None
 
     def start(self, host: str, port: int) -> ListeningAddress | CannotListen:
-        """Listen at this address; port 0 selects any free port."""
+        """Listen at this address. Port 0 selects any free port."""
         try:
             self._server = start_server(
                 name="thbridge",

@@ -112,7 +112,7 @@ class ServerDoor:
     def accept(
         self, connection: Callable[[], BaseProtocol], bound: socket.socket, tls: ssl.SSLContext | None = None
     ) -> None:
-        """Begin to accept connections at a socket that already listens; see `listen`. This object closes the socket."""
+        """Begin to accept connections at a socket that already listens. See `listen`. This object closes the socket."""
         self._acceptors.append(_Acceptor(connection, bound, tls))
         self._open.add(self)
 

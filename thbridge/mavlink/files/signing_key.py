@@ -12,7 +12,7 @@ _LARGEST = 4096
 
 
 def read_signing_key(path: Path) -> SigningKey:
-    """Read the key in a file; see `parse_key` for its formats.
+    """Read the key in a file. See `parse_key` for its formats.
 
     Raises:
         BadFile: the file cannot be read, other accounts may read it, or it contains no key.

@@ -109,7 +109,7 @@ class _Link:
 
 
 class MavlinkLinks:
-    """Transfer of frames between links and a session. It uses only a part of each tick; the session needs the rest.
+    """Transfer of frames between links and a session. It uses only a part of each tick. The session needs the rest.
 
     Links take turns. When the time is used up, further frames wait for the next tick.
 

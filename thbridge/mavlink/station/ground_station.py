@@ -83,15 +83,15 @@ class KnownRobot:
         first_heartbeat: time of its first heartbeat.
         last_heartbeat: time of its last heartbeat.
         last_frame: time of its last frame.
-        x: meters east of the map's origin; NaN while unknown.
+        x: meters east of the map's origin. NaN while unknown.
         y: meters north of the map's origin.
-        latitude: degrees; NaN while unknown.
+        latitude: degrees. NaN while unknown.
         longitude: degrees.
         speed: m/s.
-        energy: remaining fraction, from 0 to 1; NaN while unknown.
+        energy: remaining fraction, from 0 to 1. NaN while unknown.
         frames: number of frames received from the robot.
         lost: number of frames lost in transmission.
-        commander: its commander; see `conventions.COMMANDER`. None while unknown.
+        commander: its commander. See `conventions.COMMANDER`. None while unknown.
         text: its last text for people.
     """
 

@@ -174,12 +174,12 @@ class ParameterDescription:
         details: further explanation.
         section: section of the study file that contains it.
         group: name of its group of parameters.
-        unit: SI unit; empty for a pure number.
+        unit: SI unit. Empty for a pure number.
         default: initial value. None if the robots have different values.
         minimum: minimum value. If None, there is no limit.
         maximum: maximum value. If None, there is no limit.
         whole: True for whole numbers.
-        words: meanings of the values 0, 1, 2...; empty for plain numbers.
+        words: meanings of the values 0, 1, 2, .... Empty for plain numbers.
         fixed: True if it cannot be changed.
     """
 

@@ -132,7 +132,7 @@ class RemoteRobot:
         return notices
 
     def stamp_odometry_later(self, later_ns: int) -> None:
-        """Add a time to the time stamps of the robot's odometry; see `RemotePose`."""
+        """Add a time to the time stamps of the robot's odometry. See `RemotePose`."""
         self._pose.stamp_odometry_later(later_ns)
 
     def receive(self, topic: str, data: bytes, now_ns: int) -> InvalidMessage | None:

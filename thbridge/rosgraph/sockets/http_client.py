@@ -96,7 +96,7 @@ class XmlRpcClient:
         return await self.post(uri, await write_document(lambda: encode_call(method, given), given), timeout)
 
     async def post(self, uri: str, body: bytes, timeout: float = 5.0) -> MethodResponse | Fault | CallFailed:
-        """Make a call that is already encoded; see `call`."""
+        """Make a call that is already encoded. See `call`."""
         address = _address_of(uri)
         if address is None:
             return CallFailed(uri, "this is not an http URI")
