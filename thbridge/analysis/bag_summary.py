@@ -20,8 +20,8 @@ GAP_NS = 1_000_000_000
 topics have no gaps, because their last message stays valid until the next message."""
 REGULAR = 10
 REGULAR_SHARE = 0.5
-"""A topic can have gaps only if it has at least `REGULAR` messages. Also, the number of messages times the median period
-must be at least `REGULAR_SHARE` times the topic's time span. This excludes topics that publish in bursts."""
+"""A topic can have gaps only if it has at least `REGULAR` messages. Also, the number of messages times the median
+period must be at least `REGULAR_SHARE` times the topic's time span. This excludes topics that publish in bursts."""
 
 
 @dataclass(frozen=True, slots=True)

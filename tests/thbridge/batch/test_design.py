@@ -113,7 +113,10 @@ def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
             "factors.robots: the range needs a first and a last value. Write {from: A, to: B, steps: N}.",
         ),
         ("factors: {seed: [1, 2]}\n", "design.yaml, line 1, factors.seed: "),
-        ("base: {seed: 4}\nconditions:\n  - {seed: 3}\n", "design.yaml, line 3, seed: a condition cannot have its own seed"),
+        (
+            "base: {seed: 4}\nconditions:\n  - {seed: 3}\n",
+            "design.yaml, line 3, seed: a condition cannot have its own seed",
+        ),
         (
             "factors: {score: [1, 2]}\n",
             "factors.score: results already have a column with this name. Give the factor another name.",

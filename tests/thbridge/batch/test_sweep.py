@@ -155,7 +155,10 @@ def test_a_run_that_is_stopped_ends_its_workers_and_says_how_to_go_on(stop: sign
         program.send_signal(stop)
         _, told = program.communicate(timeout=60)
     assert program.returncode == 1
-    assert "Stopped. All results are kept. To resume, run the same command. For the status, run thbridge sweep status " in told
+    assert (
+        "Stopped. All results are kept. To resume, run the same command. For the status, run thbridge sweep status "
+        in told
+    )
     with pytest.raises(ProcessLookupError):
         os.kill(worker, 0)
 

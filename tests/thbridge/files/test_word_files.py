@@ -62,7 +62,9 @@ BROKEN = {
     ),
     "moves: [{move: assert, content: argument, speaker: human, say: ['£content£']}]": ("£content£", "£conclusion£"),
     "moves: [{move: assert, content: argument, speaker: human, say: ['£conclusion£']}]": ("must contain £support£",),
-    "moves: [{move: challenge, content: rule, of: next, speaker: human, say: ['£content£']}]": ("apply to all predicates",),
+    "moves: [{move: challenge, content: rule, of: next, speaker: human, say: ['£content£']}]": (
+        "apply to all predicates",
+    ),
     "moves: [{move: assert, content: argument, of: next, robot: self, holds: true, speaker: human, say: ['£room£']}]": (
         "must contain £support£",
     ),

@@ -32,9 +32,7 @@ GAMES = Table(
         Column("game_", "string", "", 'name of the game, for example "persuasion"'),
         Column("topic", "string", "", 'topic, for example "next(Robot1, Room3)"'),
         Column("opener", "string", "", '"robot" or "human"'),
-        Column(
-            "end", "string", "", 'for example "agreement"; "unfinished" if the recording ended before the game'
-        ),
+        Column("end", "string", "", 'for example "agreement"; "unfinished" if the recording ended before the game'),
         Column("moves", "int32", "", "number of moves, without moves that follow automatically"),
         Column("challenges", "int32", "", "number of challenges in this game, and in games paused for this game"),
         Column(

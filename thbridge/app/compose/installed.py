@@ -48,9 +48,7 @@ class WatchedStrategy:
 
     def choose(self, conversation: Conversation, number: int) -> DialogueMove:
         """Return the strategy's move; see `GameStrategy`."""
-        warning = (
-            f"the strategy {self.name} needs more than {PATIENCE:g} s to choose a move; meanwhile, the game waits"
-        )
+        warning = f"the strategy {self.name} needs more than {PATIENCE:g} s to choose a move; meanwhile, the game waits"
         with told_if_slow(PATIENCE, lambda: _log.warning(warning)), printing_aside():
             return self.factory(self.manner, self.seed).choose(conversation, number)
 

@@ -38,12 +38,8 @@ class Obstacle:
 NO_CLAIM = Obstacle(
     "no earlier move makes a claim", "Add an earlier reply that makes a claim: its locution has the effect `claimed`"
 )
-_NOT_OFFERED = Obstacle(
-    "no earlier move states a support to refer to", "Let the defender say `of: support` first"
-)
-_NOT_ANNOUNCED = Obstacle(
-    "no earlier move states an argument to refer to", "Let the defender say `of: argument` first"
-)
+_NOT_OFFERED = Obstacle("no earlier move states a support to refer to", "Let the defender say `of: support` first")
+_NOT_ANNOUNCED = Obstacle("no earlier move states an argument to refer to", "Let the defender say `of: argument` first")
 _TOO_LATE = Obstacle(
     "the argument as a whole comes before its support, not after it",
     "Move this reply to an earlier stage, or write support",

@@ -61,7 +61,9 @@ class RosYamlNormalizer:
                         written[name.text] = before, Section(known.line, [*known.entries, *inner.entries])
                         continue
                     if known is not None:
-                        notice = f"{name.text} appears twice, first in line {before.line}; ROS also uses the later value"
+                        notice = (
+                            f"{name.text} appears twice, first in line {before.line}; ROS also uses the later value"
+                        )
                         self.notices.append(f"{self.path}, line {name.line}: {notice}")
                     written[name.text] = name, inner
                 return Section(line, list(written.values()))

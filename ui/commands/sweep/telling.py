@@ -63,8 +63,8 @@ def show_progress(progress: SweepProgress, root: Path) -> None:
     before = f" ({progress.before} in earlier runs)" if progress.before else ""
     died = f" {progress.deaths} workers crashed and were replaced." if progress.deaths else ""
     show(
-        f"{progress.played} games played{before}; {progress.verified} games repeated, {progress.differing} with another "
-        f"result. {progress.cpu_seconds:.0f} s of processor time.{died}"
+        f"{progress.played} games played{before}; {progress.verified} games repeated, {progress.differing} with another"
+        f" result. {progress.cpu_seconds:.0f} s of processor time.{died}"
     )
     note(f"To write a table, run {command('sweep', 'collect', root, '--to', 'games.csv')}. `sweep plot` draws figures.")
 

@@ -143,9 +143,7 @@ def _consent(records: ExperimentRecords, people: str) -> Iterator[str]:
     yield from paragraph(
         f"The program asked for consent on screen, {when}. The study ended for people who did not agree.",
         f"All analyzed people saw the same version of the text, with SHA-256 {texts}." if len(versions) == 1 else "",
-        f"The text was changed during the study. Versions by SHA-256, with n: {texts}."
-        if len(versions) > 1
-        else "",
+        f"The text was changed during the study. Versions by SHA-256, with n: {texts}." if len(versions) > 1 else "",
     )
 
 
