@@ -92,7 +92,7 @@ class SetSoftwareParameters:
 
 @dataclass(frozen=True, slots=True)
 class SetWorldParameters:
-    """Change a robot's true sensor noise; its software is not informed.
+    """Change a robot's true sensor noise. Its software is not informed.
 
     Attributes:
         parameters: the robot's true parameters. They may differ from the present ones only where

@@ -139,7 +139,7 @@ def within_margin(a: FloatArray, b: FloatArray, margin: float) -> bool:
             apart_ab = (side(cx, cy, dx, dy, ax, ay) > 0.0) != (side(cx, cy, dx, dy, bx, by) > 0.0)
             if apart_cd and apart_ab:
                 return True
-            # Edges that do not cross are closest at an end of one of them; every corner is the end of some edge.
+            # Edges that do not cross are closest at an end of one of them, and every corner is an end of an edge.
             if point_to_edge(bx, by, cx, cy, dx, dy) <= limit or point_to_edge(dx, dy, ax, ay, bx, by) <= limit:
                 return True
             j = m

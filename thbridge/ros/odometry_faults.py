@@ -345,7 +345,7 @@ class _Judge:
     def _return_within(self, piece: _Piece, last: int) -> int:
         """Return the first sample of a piece that is nearer to the last valid sample than to the start of the piece.
 
-        The step to an outlier may be slightly too long for a robot, although the step back is possible; see `_return`.
+        The step to an outlier may be slightly too long for a robot, although the step back is possible. See `_return`.
         """
         for later in range(piece.begin + 1, min(piece.begin + LEAST_MESSAGES, piece.end)):
             if self._effort(last, later) < min(1.0, self._effort(piece.begin, later)):

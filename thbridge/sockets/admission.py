@@ -72,7 +72,7 @@ def peer_of(transport: BaseTransport) -> str | None:
 
 
 def _plain(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
-    """Return an address without its zone; convert an IPv4-mapped IPv6 address to IPv4. Raises ValueError."""
+    """Return an address without its zone, and an IPv4-mapped IPv6 address as IPv4. Raises ValueError."""
     address = ipaddress.ip_address(host.partition("%")[0])
     # A socket for both versions of IP shows IPv4 peers with mapped addresses.
     mapped = address.ipv4_mapped if isinstance(address, ipaddress.IPv6Address) else None

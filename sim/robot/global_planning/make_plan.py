@@ -35,7 +35,7 @@ def make_plan(
         frame: frame of the costs in the map.
         start: pose at the beginning, in the costmap's frame.
         goal: pose at the end.
-        tolerance: half the side of the largest square, meters.
+        tolerance: half the maximum side of a square, meters.
         add_unreachable_goal: True to append the goal itself after a place near it.
 
     Returns:

@@ -58,7 +58,7 @@ class PlanRefusal:
     """Refusal of a plan, because no path exists.
 
     Attributes:
-        code: code of the cause for programs; it never changes.
+        code: code of the cause for programs. Codes never change.
         sentence: the cause for people.
     """
 

@@ -114,7 +114,7 @@ def _match(
     field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
 ) -> tuple[float, float, float, float]:
     """Return the pose at which the points are on surfaces, and their mean weight there."""
-    # Go from coarse to fine: with a wide kernel, distant points pull the pose; a narrow kernel ignores outliers.
+    # Go from coarse to fine: with a wide kernel, distant points pull the pose, and a narrow kernel ignores outliers.
     while True:
         for _ in range(_STEPS):
             matrix, right, _ = _normal_equations(field, frame, x, y, theta, points, width)

@@ -36,7 +36,7 @@ class TlogFile:
         """Write the frames that vehicles received and sent in a tick.
 
         Raises:
-            BadFile: the disk is full or missing; the file contains all earlier ticks.
+            BadFile: the disk is full or missing. The file contains all earlier ticks.
         """
         records = self._tlog.records(stamp_ns // 1000, traffic)
         try:

@@ -56,7 +56,7 @@ SocketAddress = tuple[str, int] | tuple[str, int, int, int]
 
 @dataclass(slots=True)
 class _Peer:
-    """Peer of a socket; times are seconds of the loop's clock.
+    """Peer of a socket. Times are seconds of the loop's clock.
 
     Attributes:
         channel: codec of its frames.

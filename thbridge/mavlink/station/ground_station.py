@@ -33,7 +33,7 @@ class StationCommand:
 
     Attributes:
         number: a code of MAV_CMD.
-        parameters: up to seven parameters; missing parameters are 0.
+        parameters: up to seven parameters. Missing parameters are 0.
         frame: a code of MAV_FRAME, which is sent in COMMAND_INT. If None, the command is sent in COMMAND_LONG.
     """
 

@@ -103,7 +103,7 @@ class RobotReadings:
     """State of a robot after one tick, by its own estimates.
 
     Attributes:
-        base_in_map: estimated pose; x east, y north, meters; theta from east, counterclockwise.
+        base_in_map: estimated pose: x east and y north, meters, theta from east, counterclockwise.
         twist: velocity by its own odometry, m/s and rad/s.
         goal_in_map: its current goal, from any source. None if it has no goal.
         energy: remaining energy in the game's units.

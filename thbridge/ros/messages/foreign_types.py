@@ -47,7 +47,7 @@ def types_in(msgtype: str, text: str) -> Typesdict:
         text: the full text, as in bags.
 
     Raises:
-        ValueError: the name or the text is invalid, or beyond the limits above; the message is a clause.
+        ValueError: the name or the text is invalid, or beyond the limits above. The message is a clause.
     """
     check_type_name(msgtype)
     if len(text) > LONGEST_TEXT:

@@ -190,7 +190,7 @@ class Fleet:
         """Carry out the inputs and return the current state of the robots. The tick is computed from ROS time.
 
         Raises:
-            ValueError: the robots cannot be commanded yet; see `missing`.
+            ValueError: the robots cannot be commanded yet. See `missing`.
         """
         now_ns = self.now()
         if now_ns is None:

@@ -100,7 +100,7 @@ def encode_call(method: str, params: list[XmlRpcValue]) -> bytes:
     """Encode a call.
 
     Raises:
-        ValueError: a parameter cannot be encoded; see `encode_response`.
+        ValueError: a parameter cannot be encoded. See `encode_response`.
     """
     listed = "".join(f"<param>\n{_written(value)}\n</param>\n" for value in params)
     return _document(

@@ -43,7 +43,7 @@ class ClosedByServer:
 
     Attributes:
         reason: kind of reason.
-        detail: the server's explanation, as a clause; empty if there is none.
+        detail: the server's explanation, as a clause. Empty if there is none.
     """
 
     reason: ServerCloseReason

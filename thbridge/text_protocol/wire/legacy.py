@@ -70,7 +70,7 @@ class FoundTreasure:
 
     Attributes:
         room: the room's number.
-        senses: label and value of each property; in 2016 `Colour` and `Footprint`.
+        senses: label and value of each property. In 2016, the labels were `Colour` and `Footprint`.
     """
 
     room: int

@@ -23,7 +23,7 @@ from thbridge.mavlink.wire.extra_messages import ProtocolVersion
 from thbridge.mavlink.wire.mode_numbers import Mode
 
 _LARGEST_ID = 0xFFFF
-"""Largest message id that MESSAGE_INTERVAL can contain."""
+"""Maximum message id that MESSAGE_INTERVAL can contain."""
 
 
 class MessageRequests:

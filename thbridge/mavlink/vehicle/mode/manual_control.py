@@ -1,4 +1,4 @@
-"""Manual control by stick positions or velocities. Stations send them repeatedly; each is valid only for a short time.
+"""Manual control by stick positions or velocities. Stations repeat them. Each is valid only for a short time.
 
 Source of the three seconds: ArduPilot, Rover, `mode_guided.cpp` and the parameter RC_OVERRIDE_TIME. Scripts for
 ArduPilot send a velocity once per second.

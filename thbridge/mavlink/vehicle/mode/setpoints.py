@@ -100,7 +100,7 @@ class ControlInputs(Microservice):
     # -- manual control -----------------------------------------------------------------------------------------------
 
     def _stick(self, sender: Station, message: mav.MAVLink_manual_control_message) -> None:
-        """Drive by MANUAL_CONTROL: x is forward. r is the turn; if there is no r, y is the turn.
+        """Drive by MANUAL_CONTROL: x is forward. r is the turn. If there is no r, y is the turn.
 
         Positive values turn right, because all ground stations send them so, although the standard's text on r differs.
         """
