@@ -51,7 +51,7 @@ class TimestampFile:
             write_whole(
                 self._path,
                 text.encode(),
-                "free disk space; otherwise stations may be refused after a restart",
+                "free disk space, because stations may be refused after a restart",
                 mode=0o600,
             )
         except BadFile as fault:
