@@ -103,7 +103,7 @@ class RobotDiagnostics:
             yield from self._goal(message)
 
     def _way_made(self, tick: int, robot: int | None) -> Iterator[LogLine]:
-        """Yield a line if the robot begins or stops to make way for another robot."""
+        """Yield a line if the robot starts or stops making way for another robot."""
         before, since = self._makes_way_for, self._makes_way_since
         self.changed = robot != before
         if not self.changed:

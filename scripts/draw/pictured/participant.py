@@ -425,7 +425,7 @@ STORIES = (
         {
             "commanded": "A ground station has taken robot 1, which is selected",
             "commanded-asked": "The participant has asked to get robot 1 back",
-            "commanded-sent-on": "The ground station sent robot 1 on; the treasure that it found can still be named",
+            "commanded-sent-on": "The ground station sent robot 1 away; the treasure that was found can still be named",
         },
         commanded,
     ),

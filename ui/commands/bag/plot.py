@@ -29,14 +29,14 @@ def bag_plot(
         typer.Option(help="File to write: a .png, .svg or .pdf. `-` is standard output, as SVG.", metavar="FILE"),
     ],
     width: Annotated[
-        FigureWidth, typer.Option(help="Width in columns of a page: `one` is 88 mm, `two` is 183 mm.")
+        FigureWidth, typer.Option(help="Width of the figure, in columns of a page: `one` is 88 mm, `two` is 183 mm.")
     ] = FigureWidth.TWO,
     map_yaml: Annotated[
         Path | None, typer.Option("--map", help="Map (a map_server YAML file); default: the map in the bag.")
     ] = None,
     game: Annotated[
         int | None,
-        typer.Option(help="Number of the game to plot, if the bag has several. Times count from the game's start."),
+        typer.Option(help="Game to plot, by number, if the bag has several games. Times count from the game's start."),
     ] = None,
     truth: Truth = None,
     estimate: Estimated = None,

@@ -74,7 +74,7 @@ def _is_ours(file: Path) -> bool:
 class MovingObstacles:
     """Contents of a file of obstacles: things, as in a study."""
 
-    things: tuple[ThingEntry, ...] = param((), "obstacles that no map shows; each has a line - {key: value}")
+    things: tuple[ThingEntry, ...] = param((), "obstacles that no map shows; write each as a line `- {key: value, ...}`")
 
 
 def read_moving(path: Path, grid: OccupancyGrid) -> tuple[ScheduledInput, ...]:

@@ -69,7 +69,7 @@ def localize(
     seed: Annotated[int, typer.Option(help="Random seed.", min=0, max=2**31 - 1)] = 1,
     to: Annotated[
         Path | None,
-        typer.Option("--out", help="TUM file to write: the path, one line per update. `-` is standard output."),
+        typer.Option("--out", help="Output file in TUM format: the path, one line per update. `-` is standard output."),
     ] = None,
     updates: Annotated[
         Path | None,

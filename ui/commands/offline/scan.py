@@ -30,7 +30,7 @@ def scan(
 ) -> None:
     """Compute what a laser without noise sees on any map: exact distances to the occupied cells.
 
-    Print a line for each pose, or one JSON object {"ranges": [[...], ...]}. If a beam meets nothing within the range,
+    Print a line for each pose, or one JSON object {"ranges": [[...], ...]}. If a beam hits nothing within the range,
     its value is `inf`, or null in JSON.
     """
     import numpy as np

@@ -28,7 +28,7 @@ def plugins_check(
         str | None, typer.Option(help="Name of the simulated participant to check, in games of all conditions.")
     ] = None,
     recovery: Annotated[
-        str | None, typer.Option(help="Name of the recovery behavior to check, in places of all kinds.")
+        str | None, typer.Option(help="Name of the recovery behavior to check in all kinds of places.")
     ] = None,
     localizer: Annotated[str | None, typer.Option(help="Name of the localizer to check, with all its methods.")] = None,
     planner: Annotated[

@@ -132,7 +132,7 @@ def study_run(
     look: LookOption = ColourScheme.SYSTEM,
     hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
 ) -> None:
-    """Run a study at this computer, for one participant after the other. After a crash, continue at the same step."""
+    """Run a study on this computer, for one participant after another. After a crash, continue at the same step."""
     if hosted:
         from ui.windows.kiosk.window import open_kiosk
 
@@ -177,7 +177,7 @@ def study_preview(
 
 
 def study_freeze(folder: FolderOfExperiment) -> None:
-    """Write the experiment's fingerprint for a preregistration. Exports report later changes of the experiment."""
+    """Write the experiment's fingerprint for a preregistration. Later exports report changes of the experiment."""
     from thbridge.app.compose.machine import versions
     from thbridge.experiment.check import check_experiment
     from thbridge.experiment.folder import ExperimentFolder
@@ -252,7 +252,10 @@ def study_restore(
         bool, typer.Option("--yes", help="Do not ask for confirmation if the study's own log is intact and newer.")
     ] = False,
 ) -> None:
-    """Restore a study from a backup. Replaced files are kept, and people who withdrew since then stay withdrawn."""
+    """Restore a study from a backup.
+
+    Replaced files are kept. People who withdrew after the backup stay withdrawn.
+    """
     from ui.commands.study.restore import restore_study
 
     restore_study(backup, to, yes=yes)
@@ -326,7 +329,7 @@ def study_power(
     ] = None,
     rehearsals: Annotated[
         int,
-        typer.Option(help="Number of rehearsals with the effects; as many are without effects.", min=10, max=100_000),
+        typer.Option(help="Number of rehearsals with the effects, and number of rehearsals without them.", min=10, max=100_000),
     ] = 200,
     seed: Annotated[int, typer.Option(help="Random seed of the first rehearsal.", min=0, max=2**30)] = 1,
     to: Annotated[

@@ -30,7 +30,7 @@ def sweep_plot(
         ),
     ] = BandKind.T,
     width: Annotated[
-        FigureWidth, typer.Option(help="Width in columns of a page: `one` is 88 mm, `two` is 183 mm.")
+        FigureWidth, typer.Option(help="Width of the figure, in columns of a page: `one` is 88 mm, `two` is 183 mm.")
     ] = FigureWidth.TWO,
 ) -> None:
     """Plot the mean of a measure against a factor, with confidence intervals."""

@@ -17,7 +17,7 @@ def sweep_run(
     ],
     to: Annotated[
         Path | None,
-        typer.Option("--out", help="Folder of the sweep; default: named after the design file.", metavar="DIR"),
+        typer.Option("--out", help="Folder of the sweep; default: the name of the design file.", metavar="DIR"),
     ] = None,
     *,
     engine: EngineOptions,

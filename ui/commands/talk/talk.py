@@ -34,7 +34,7 @@ class TalkExample(StrEnum):
 
 
 class TalkPlayer(StrEnum):
-    """Player of a side."""
+    """Player of one side of a dialogue."""
 
     PROGRAM = "program"
     PERSON = "person"
@@ -48,8 +48,8 @@ def talk(
         typer.Option(help="Example to play: `jhri2015`, the worked example of Sklar and Azhar (2015), or `rules`."),
     ] = None,
     exchange: Annotated[int | None, typer.Option(help="Play only this exchange of the example.", min=1)] = None,
-    robot: Annotated[TalkPlayer, typer.Option(help="Player of the robot's side.")] = TalkPlayer.PROGRAM,
-    human: Annotated[TalkPlayer, typer.Option(help="Player of the person's side.")] = TalkPlayer.PERSON,
+    robot: Annotated[TalkPlayer, typer.Option(help="Let a program or a person play the robot.")] = TalkPlayer.PROGRAM,
+    human: Annotated[TalkPlayer, typer.Option(help="Let a program or a person play the human.")] = TalkPlayer.PERSON,
     games: Annotated[
         Path | None, typer.Option(help="Folder of your own games, in addition to the built-in games.")
     ] = None,
