@@ -79,7 +79,7 @@ class _Current:
 
 
 class WindowStyle(PlainTextStyle):
-    """Style of all widgets, with flat signs in message boxes.
+    """Style of all widgets, with flat symbols in message boxes.
 
     Values that Qt requests thousands of times are not here, but in the style sheet.
     """

@@ -202,7 +202,8 @@ def weaving_runs(grid: OccupancyGrid, seed: int) -> Iterator[tuple[str, Run]]:
         driven = drive(grid, speed, seed)
         for gain in GAINS:
             for lead in LEADS:
-                yield f"{speed:g} m/s, turns {gain:g} times, {lead:g} s ahead", by_steering(driven, gain, lead)
+                name = f"{speed:g} m/s, turns multiplied by {gain:g}, odometry {lead:g} s ahead"
+                yield name, by_steering(driven, gain, lead)
     for size in (1.0, 1000.0):
         yield f"2 m/s, spikes of {size:g} m", with_spikes(driven, size, seed)
     yield "2 m/s, odometry reset", with_resets(driven)

@@ -329,7 +329,9 @@ def study_power(
     ] = None,
     rehearsals: Annotated[
         int,
-        typer.Option(help="Number of rehearsals with the effects, and number of rehearsals without them.", min=10, max=100_000),
+        typer.Option(
+            help="Number of rehearsals with the effects. The same number runs without effects.", min=10, max=100_000
+        ),
     ] = 200,
     seed: Annotated[int, typer.Option(help="Random seed of the first rehearsal.", min=0, max=2**30)] = 1,
     to: Annotated[
