@@ -44,7 +44,7 @@ class SweepFile:
         metadata={"help": "factors with their levels; each combination of levels is a condition"},
     )
     conditions: Mapping[str, str] = field(
-        default_factory=dict, metadata={"help": "further conditions; write each as a line - {key: value, ...}"}
+        default_factory=dict, metadata={"help": "further conditions; write each as a line `- {key: value, ...}`"}
     )
     replicates: int = param(10, "number of games in each condition, with consecutive random seeds", "", 1, 10**9)
     first_seed: int = param(1, "random seed of the first game in each condition", "", 0, LARGEST_SEED)

@@ -202,7 +202,7 @@ def _table(written: _GameYaml) -> GameTable:
 
 
 def _check(loaded: Loaded[_GameYaml], forms: _Forms) -> None:
-    """Raise the faults of a game's single entries. If there are none, raise the faults of its course."""
+    """Raise the faults of the individual entries of a game. If there are none, raise the faults of its course."""
     for find in (_faults, _course_faults):
         if faults := tuple(find(loaded, forms)):
             raise BadFiles(faults)
@@ -274,7 +274,7 @@ def _reply_faults(
             yield _no_such(loaded, f"{key}.{field}", "stage or end", target, targets)
     if reply.last is not None and reply.of not in {Slot.SUPPORT, Slot.ARGUMENT}:
         problem = f"`last` is for the last support of a claim, not for {reply.of}"
-        yield loaded.fault(f"{key}.last", problem, "Delete the line, or write of: support or of: argument")
+        yield loaded.fault(f"{key}.last", problem, "Delete the line, or write `of: support` or `of: argument`")
 
 
 def _questioned_faults(
@@ -286,7 +286,7 @@ def _questioned_faults(
         yield _no_such(loaded, f"{key}.questioned", "stage", reply.questioned, names)
     if reply.next in names:
         problem = "`questioned` is for a refusal that ends the game, but this reply does not end the game"
-        yield loaded.fault(f"{key}.questioned", problem, "Delete the line, or write an end as next")
+        yield loaded.fault(f"{key}.questioned", problem, "Delete the line, or write the name of an end as `next`")
 
 
 def _course_faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile]:

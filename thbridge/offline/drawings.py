@@ -22,26 +22,26 @@ from thbridge.offline.room_finding import FURNITURE, SPECK
 WIDTHS = (2, 3, 4, 6, 8, 12)
 """Tested line widths, in this order, pixels."""
 REACHED = 0.9
-"""Share of reached floor above which the search for blocking lines is skipped."""
+"""If at least this share of the floor is reached, the search for blocking lines is skipped."""
 OPENED = 0.97
-"""Share of the maximum connected floor over all widths.
+"""Share of the largest connected floor that any line width gives.
 
 If no width connects nearly all floor, the first width that reaches this share is used.
 """
 WALLED = 0.8
-"""Share of the maximum floor inside over all widths. A line width with a smaller share also removes walls."""
+"""Share of the largest floor inside that any line width gives. A width with a smaller share also removes walls."""
 CUSP = 4
 """Maximum extent of filled spots between thin lines that are not walls, as a multiple of the line width."""
 OPENING = 2.5
 """Maximum width of an opening to the outside that is an entrance or a window, meters."""
 PAPER = 0.9
-"""Share of blank pixels on an image's border above which a plan has paper around it."""
+"""If at least this share of the pixels on an image's border is blank, there is paper around the plan."""
 GAINED = 1.1
-"""Ratio of the floor inside with closed and with open openings, above which a building counts as open."""
+"""A building counts as open if closed openings increase the floor inside by more than this factor."""
 ROOM = 3.0
 """Minimum area of unreachable floor that is reported, square meters."""
 NEAR = 1.5
-"""Distance below which two pieces of lines count as blocking the same path, meters."""
+"""Two pieces of lines count as blocking the same path if their distance is below this, meters."""
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
@@ -89,7 +89,7 @@ def joined(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
 
 
 def turned(pixels: NDArray[np.uint8], degrees: float) -> NDArray[np.uint8]:
-    """Return a gray image rotated counterclockwise. If necessary, it is enlarged, with its brightest shade as paper."""
+    """Return a gray image rotated counterclockwise. New pixels at its edges get the brightest shade of the image."""
     if degrees % 90.0 == 0.0:
         return np.rot90(pixels, round(degrees / 90.0))
     return np.asarray(rotate(pixels, degrees, order=1, mode="constant", cval=float(pixels.max())), dtype=np.uint8)
@@ -146,8 +146,8 @@ def reached_floor(grid: OccupancyGrid, inscribed: float) -> tuple[float, tuple[t
     """Return the share of a plan's floor that is connected for a robot with this inner radius (meters), and the rest.
 
     Returns:
-        The share (0 without floor), and the middle (map frame) and size (square meters) of each other part with at
-        least the size of a room, the largest part first.
+        The share (0 without floor), and the other parts that are at least as large as a room, the largest part first.
+        Each other part has its middle (map frame) and its area (square meters).
     """
     areas, sizes = _closed_floors(grid, inscribed)
     parts = [number for number in np.argsort(-sizes)[1:] if sizes[number] * grid.resolution**2 >= ROOM]
@@ -168,7 +168,7 @@ def closed_to_outside(grid: OccupancyGrid, inscribed: float) -> tuple[OccupancyG
 
     Returns:
         The plan, and the openings (map frame), the widest opening first. If the building is closed or has no paper
-        around it, the unchanged plan and no openings.
+        around it, the plan is unchanged and there are no openings.
     """
     outside = _outside(grid)
     if outside is None:
@@ -223,7 +223,7 @@ def _closed_floors(grid: OccupancyGrid, inscribed: float) -> tuple[NDArray[np.in
 def _floors_inside(grid: OccupancyGrid, inscribed: float) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
     """Return the number of the connected floor at each cell, from 1, inside the image's border.
 
-    Also return the number of cells of each connected floor, by its number.
+    Also return the size in cells of each connected floor, by the number of the floor.
     """
     labels, count = label(cells_away(grid.cells == FREE) * grid.resolution > inscribed)
     areas = np.asarray(labels, dtype=np.int32)

@@ -152,7 +152,7 @@ def open_recording(
 
 
 def _only_scans(path: Path, topics: tuple[TopicInfo, ...], notices: list[str]) -> str:
-    """Return the topic of the scans by its type. If a robot has several lasers, return the most usual name."""
+    """Return the topic whose messages are laser scans. If a robot has several lasers, return the most usual topic."""
     names = usual_first(_of_type(topics, LASER_SCAN), SCANS)
     robots = sorted({namespace_of(name) for name in names})
     if len(robots) > 1:
@@ -258,7 +258,7 @@ def _mount(tree: FrameTree, laser: str, bases: tuple[str, ...]) -> PlanarMount |
 
 
 def _odom_edge(tree: FrameTree, laser: str, certain: bool) -> tuple[str, str] | None:
-    """Return the transform with odometry above the laser.
+    """Return the transform from an odometry frame that is above the laser in the tree.
 
     If there is none and `certain` is False, return the only transform with odometry in the tree.
     """

@@ -117,7 +117,7 @@ class FleetSection:
     )
     each: Mapping[int, FleetNames] = dataclasses.field(
         default_factory=dict,
-        metadata={"help": "names for single robots, by robot number: {2: {namespace: /kobuki}}", "like": "robot"},
+        metadata={"help": "names for single robots, by robot number: `{2: {namespace: /kobuki}}`", "like": "robot"},
     )
 
     def names(self, robots: int) -> list[RemoteNames]:

@@ -167,7 +167,7 @@ class DialogueSection:
     manner: MannerSection = param(MannerSection(), "how robots argue")
     each: Mapping[int, MannerSection] = dataclasses.field(
         default_factory=dict,
-        metadata={"help": "manner of single robots, by robot number: {2: {persistence: 0}}", "like": "manner"},
+        metadata={"help": "manner of single robots, by robot number: `{2: {persistence: 0}}`", "like": "manner"},
     )
     neglect: float | None = param(
         None,
@@ -371,11 +371,13 @@ class Study:
     robot: RobotParameters = param(RobotParameters(), "parameters of every robot's software, with ROS's names")
     each: Mapping[int, RobotParameters] = dataclasses.field(
         default_factory=dict,
-        metadata={"help": "software of single robots, by robot number: {2: {localization: ekf}}", "like": "robot"},
+        metadata={"help": "software of single robots, by robot number: `{2: {localization: ekf}}`", "like": "robot"},
     )
 
-    things: tuple[ThingEntry, ...] = param((), "obstacles that no map shows; write each as a line - {key: value, ...}")
-    mishaps: tuple[MishapEntry, ...] = param((), "scheduled robot failures; write each as a line - {key: value, ...}")
+    things: tuple[ThingEntry, ...] = param(
+        (), "obstacles that no map shows; write each as a line `- {key: value, ...}`"
+    )
+    mishaps: tuple[MishapEntry, ...] = param((), "scheduled robot failures; write each as a line `- {key: value, ...}`")
 
     def software(self, number: RobotNumber) -> RobotParameters:
         """Return the software of the robot with this number."""

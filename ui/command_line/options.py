@@ -232,7 +232,9 @@ class MavlinkOptions:
     ] = None
     identity: Annotated[
         AutopilotIdentity | None,
-        typer.Option(help="Autopilot type that robots report. QGroundControl commands robots only as `ardupilot`."),
+        typer.Option(
+            help="Autopilot type that robots report. QGroundControl can command robots only if the type is `ardupilot`."
+        ),
     ] = None
     udp: Annotated[
         list[str] | None,

@@ -28,8 +28,8 @@ def _converted(path: Path) -> Path:
 Recording = Annotated[
     Path,
     typer.Argument(
-        help="A ROS 1 bag, a rosbag2 folder, or an MCAP file. For a split bag, write the common name, such as "
-        "`hunt.bag`.",
+        help="A ROS 1 bag, a rosbag2 folder, or an MCAP file. For a split bag, write the name without the "
+        "numbers of the files, such as `hunt.bag`.",
         callback=_converted,
     ),
 ]

@@ -1,1 +1,1 @@
-"""SimR: the robots' program. It drives a team by the keeper's orders, and sends pose telemetry."""
+"""SimR: the robots' program. It carries out the keeper's orders with a team of robots, and sends pose telemetry."""

@@ -60,7 +60,7 @@ class RobotControls:
 
         Args:
             request: the request.
-            researcher: name of the intervening researcher. None if the request is no intervention.
+            researcher: name of the intervening researcher. None if the request is not an intervention.
         """
         if not (isinstance(request, PutThing | RemoveThing) or 0 <= request.robot < self._robots.size):
             return

@@ -112,7 +112,7 @@ class MovesInProgress:
         Args:
             snapshot: snapshot of the team.
             silent: robots that do not respond.
-            stopped: robots that must stand still by the keeper's orders.
+            stopped: robots that must stand still, because the keeper has ordered this.
             is_driven: function that returns True for a robot that is driven by hand.
 
         Returns:

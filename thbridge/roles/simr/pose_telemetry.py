@@ -31,8 +31,8 @@ real time and the simulation may be much faster."""
 
 PATH_TOLERANCE = 0.01
 """Largest distance of removed points from the path, in meters. At the robot, the error may be twice as large, because
-the robot may have this distance from its path, too. With the rounding to centimeters, the error of a sent path is less
-than 0.03 m."""
+the robot itself may be this far from its path. With the rounding to centimeters, the error of a sent path is less than
+0.03 m."""
 MOST_PATH_POINTS = 2000
 """Largest number of points of all paths in one message."""
 CHI_SQUARE_95 = 5.991

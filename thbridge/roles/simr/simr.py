@@ -1,4 +1,4 @@
-"""SimR: the robots' program. It drives a team of robots by the keeper's orders, and reports the results."""
+"""SimR: the robots' program. It carries out the keeper's orders with a team of robots, and reports the results."""
 
 from collections.abc import Sequence
 from typing import assert_never
@@ -234,7 +234,7 @@ class SimR(RobotsRole):
             self._inputs.append(self._moves.go(goto.robot, order))
 
     def _is_free(self, robot: int) -> bool:
-        """Return True if a text line may drive a robot: it has no move of the game and no other commander."""
+        """Return True if the robot has no move of the game and no other commander, so that a text line may drive it."""
         taken = () if self._orders is None else self._orders.taken
         return 0 <= robot < self._team.size and robot not in self._moves and robot not in taken
 

@@ -74,7 +74,9 @@ def _is_ours(file: Path) -> bool:
 class MovingObstacles:
     """Contents of a file of obstacles: things, as in a study."""
 
-    things: tuple[ThingEntry, ...] = param((), "obstacles that no map shows; write each as a line `- {key: value, ...}`")
+    things: tuple[ThingEntry, ...] = param(
+        (), "obstacles that no map shows; write each as a line `- {key: value, ...}`"
+    )
 
 
 def read_moving(path: Path, grid: OccupancyGrid) -> tuple[ScheduledInput, ...]:
