@@ -82,8 +82,8 @@ class SetSoftwareParameters:
     """Change the parameters of a robot's software while it runs (ROS: dynamic_reconfigure).
 
     Attributes:
-        parameters: all parameters. They may differ from the present ones only where `sim.parameters.reconfigured`
-            allows a change.
+        parameters: all parameters. They may differ from the present parameters only where
+            `sim.parameters.reconfigured` allows a change.
     """
 
     robot: int
@@ -95,7 +95,7 @@ class SetWorldParameters:
     """Change a robot's true sensor noise. Its software is not informed.
 
     Attributes:
-        parameters: the robot's true parameters. They may differ from the present ones only where
+        parameters: the robot's true parameters. They may differ from the present parameters only where
             `sim.parameters.reconfigured` allows a change.
     """
 

@@ -114,7 +114,7 @@ def reduced_near(x: Real) -> tuple[Real, Real, Real]:
 
 
 def _reduced_far(x: float) -> tuple[int, float, float]:
-    """Do the same as `_reduced` for any finite angle, by the fraction of its product with 1 / (2 pi).
+    """Do the same as `_reduced` for any finite angle, using the fractional part of the angle times 1 / (2 pi).
 
     Numbers are split into digits of 24 bits. Digits before the point are whole turns and are omitted. Sums of four
     products of digits are exact.

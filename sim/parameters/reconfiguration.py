@@ -130,7 +130,7 @@ def reconfigured(parameters: P, path: str, value: object) -> P | ParameterReject
 
 
 def fixed_differences(before: P, after: P) -> tuple[str, ...]:
-    """Return the paths of the differences, except of parameters that may change while a robot runs."""
+    """Return the paths of parameters that differ, without those that may change while a robot runs."""
     return tuple(_differences(before, after, ""))
 
 

@@ -19,7 +19,8 @@ from sim.world.thing import Thing
 ROBOT_MARGIN = 0.3
 """Distance that things keep from a robot, meters."""
 BRAKING_TIME = 1.0
-"""Additional distance, in seconds of the robot's driving, so that the robot can see the thing and brake."""
+"""Seconds in which a robot drives the additional distance that things keep from it. Meanwhile it can see the thing and
+brake."""
 TURN_BACK_TICKS = 5 * TICKS_PER_SECOND
 """Ticks for which a walking thing waits for a robot before it turns back."""
 
@@ -100,7 +101,7 @@ class RobotBodies:
 
 
 FROM_NOWHERE = (math.inf, math.inf)
-"""Previous point of a thing that appears. It is infinitely far away, so the thing approaches every robot."""
+"""Previous position of a thing that just appeared. It is infinitely far away, so the thing approaches every robot."""
 
 
 def step_things(presences: Sequence[ThingState], robots: RobotBodies) -> tuple[ThingState, ...]:

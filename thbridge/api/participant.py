@@ -74,7 +74,7 @@ class HuntParticipant:
         self._ask(RequestSuggestion(self._index(robot)))
 
     def answer(self, robot: int, choice: int = 0) -> None:
-        """Answer a robot that waits for an answer; `choice` is an index from 0, and 0 is the answer that agrees most.
+        """Answer a robot that waits for an answer; `choice` is an index from 0, and 0 is the most agreeable answer.
 
         Raises:
             HuntError: the robot does not wait for an answer, or the choice does not exist.

@@ -20,7 +20,7 @@ class HuntDialogue:
         matter: "select-room", "take-picture" or "take-treasure".
         room: number of the room that the dialogue is about.
         said: all sentences so far, oldest first.
-        choices: answers that the participant may give. The first answer agrees most. Empty during the robot's turn.
+        choices: answers that the participant may give. The first is the most agreeable. Empty during the robot's turn.
     """
 
     robot: int

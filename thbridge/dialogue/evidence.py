@@ -53,7 +53,7 @@ class WhereFacts:
         robot: index in the team, from 0.
         here: the place where it stands.
         energy: energy that it has left.
-        costs: energy to each room left; rooms without a path are missing.
+        costs: energy for a move to each unvisited room; rooms without a path are missing.
         left: rooms that have not been visited.
         under_way: rooms to which other robots drive, or to which they have agreed to go.
         values: by room, the value for the team if this room is this robot's next room.
@@ -275,7 +275,7 @@ def comparison(better: PlanValue, worse: PlanValue) -> Proposition | None:
 
 
 def reasons_of_a_person(claim: Literal, facts: WhereFacts | WhatFacts) -> Beliefs:
-    """Return a person's possible reasons for a claim: a wish, and facts that people see as well as robots."""
+    """Return a person's possible reasons for a claim: a wish, and facts that both people and robots see."""
     wish = Literal(Wanted(claim))
     reasons: dict[Literal, Rule] = {wish: Rule((wish,), claim, is_said=False)}
     if isinstance(facts, WhereFacts) and isinstance(claim.proposition, NextRoom):
@@ -347,7 +347,7 @@ _SOURCES: Mapping[type[Proposition], Source] = {
     CostOfOther: Source.TOLD,
     UnderWay: Source.TOLD,
 }
-"""Sources of evidence; kinds that are not listed are computed."""
+"""Source of each kind of evidence. Evidence of a kind that is not listed is computed by the robot."""
 
 
 def _affordable(case: _Case, facts: WhereFacts, room: Room, level: Literal) -> tuple[Literal, ...]:
@@ -402,7 +402,7 @@ def _order(tour: tuple[Room, ...], first: Room, later: Room) -> Literal | None:
 
 
 def _compared(case: _Case, facts: WhereFacts, best: Room, room: Room) -> tuple[Literal, ...]:
-    """Add the reasons against a room other than the best room. Return the reasons for the best room if it is better."""
+    """Add the reasons against `room`, and return the reasons for `best` if it is the better room."""
     goes = Literal(NextRoom(facts.robot, room))
     difference = comparison(facts.values[best], facts.values[room])
     if difference is None:

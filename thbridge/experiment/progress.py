@@ -154,7 +154,7 @@ class Progress:
 
     @property
     def under_way(self) -> frozenset[int]:
-        """Numbers of the places of unfinished runs, which may count later."""
+        """Numbers of the places of unfinished runs. These runs may count later."""
         return frozenset(run.place.number for run in self.runs.values() if run.state is RunState.UNDER_WAY)
 
     def next_place(self) -> Place | NoPlace:
@@ -169,7 +169,7 @@ class Progress:
     def next_debriefing(self, participant: str) -> PlannedStep | None:
         """Return the next debriefing of a person who left or was excluded, or None.
 
-        People who never agreed to take part read no debriefing. Each debriefing is shown only until it is read.
+        People who never agreed to take part get no debriefing. Each debriefing is shown only until it is read.
         """
         run = self.runs[participant]
         if run.state not in {RunState.LEFT, RunState.EXCLUDED} or not run.takes_part:

@@ -106,7 +106,7 @@ def restore(plan: RestorePlan) -> tuple[Path | None, tuple[str, ...]]:
         plan: result of `plan_restore`.
 
     Returns:
-        The folder with the replaced files, or None if no file was replaced. And sentences about files that are missing
+        The folder with the replaced files, or None if no file was replaced; and sentences about files that are missing
         in the backup.
 
     Raises:

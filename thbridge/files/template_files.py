@@ -44,7 +44,10 @@ SET = "set.yaml"
 LARGEST_PICTURE = 2_000_000
 """Largest size of an image file in bytes."""
 _IMAGE_BEGINNINGS = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"BM", b"RIFF", b"<")
-"""First bytes of images that windows can show: PNG, JPEG, GIF, BMP, WebP, SVG. Phones save HEIC under any suffix."""
+"""First bytes of images that windows can show: PNG, JPEG, GIF, BMP, WebP, SVG.
+
+The suffix is not enough, because phones may save HEIC images with any suffix.
+"""
 
 _SECTIONS: Mapping[str, Scenario] = {
     "SpecificRoom:": Scenario.SPECIFIC_ROOM,

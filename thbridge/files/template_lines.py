@@ -6,7 +6,7 @@ from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile
 
 LARGEST_LINES = 1 << 24
-"""Largest file in bytes; files of 2016 have a few hundred."""
+"""Maximum size of a file, bytes. Files of 2016 have a few hundred bytes."""
 
 
 def numbered_lines(path: Path) -> list[tuple[int, str]]:

@@ -42,7 +42,7 @@ class CostMatrix:
     def of_map_times(cls, rows: tuple[tuple[float, ...], ...]) -> "CostMatrix":
         """Return the matrix for the numbers in a `mapTimes` file. The number 99 means that there is no move.
 
-        Numbers above 99 are normal costs, for large maps. For a cost of 99, the file must have 98 or 100. There is
+        Numbers above 99 are normal costs, for large maps. A cost of 99 is impossible, so write 98 or 100. There is
         never a move from a place to itself; the number in the file does not matter.
 
         Raises:

@@ -107,7 +107,7 @@ def own_tours(
 def greedy_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return tours to which the cheapest next move of all robots is added repeatedly; see `PlanTours`."""
+    """Return tours that grow move by move, always by the cheapest next move of all robots; see `PlanTours`."""
     return _sending(_grown_by_moves, costs, starts, unvisited, visit, sent)
 
 
@@ -146,7 +146,8 @@ def _in_turns(
     """Return the tours of robots that choose their next rooms in turn.
 
     Costs are travel times. So the next robot is the robot with the least energy spent on moves, as in the game. If
-    several robots have spent the same energy, the robot to send is next, or else the robot with the lowest number.
+    several robots have spent this energy, the robot to send is next if it is one of them. Otherwise, the robot with
+    the lowest number is next.
     """
     here, orders = list(starts), [list[Room]() for _ in starts]
     spent, left, going = [0.0] * len(starts), set(unvisited), set(range(len(starts)))

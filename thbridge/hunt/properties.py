@@ -29,8 +29,8 @@ class PropertyDrawing(StrEnum):
 class TreasureProperty:
     """Declaration of a property.
 
-    When a robot finds a treasure, it senses all properties without a cost. On request, it senses a property with a
-    cost. Other properties are reported by a person who sees the picture.
+    When a robot finds a treasure, it senses all properties that cost nothing. On request, it senses a property that
+    costs energy. A person who sees the picture reports the other properties.
 
     Attributes:
         name: name in files, in recordings, and between the pound signs of sentences. It has lower-case letters and
@@ -83,7 +83,7 @@ OF_2016 = (
     TreasureProperty("colour", "Colour", drawn=PropertyDrawing.COLOUR),
     TreasureProperty("footprint", "Footprint", drawn=PropertyDrawing.SHAPE),
 )
-"""The two properties in files and lines of 2016, which do not declare them."""
+"""The two properties of treasures in 2016. The files and lines of 2016 do not declare properties."""
 
 
 def property_named(properties: Sequence[TreasureProperty], name: str) -> TreasureProperty | None:

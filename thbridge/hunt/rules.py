@@ -169,8 +169,9 @@ def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.
 def arrive(state: GameState, robot: int, room: Room) -> Ruling:
     """Record the arrival of a robot in a room.
 
-    If there was no departure (a program of 2016 sent the robot), a departure is added. Its price is from the matrix,
-    even if the robot has less energy. If the robot had another destination, that move fails without a refund.
+    If there was no departure (a program of 2016 sent the robot), a departure is added. The price of this move is from
+    the matrix, even if the robot has less energy. If the robot had another destination, that move fails without a
+    refund.
     """
     refused = _over(state) or _unknown(state, robot, room)
     if refused:

@@ -44,7 +44,7 @@ PASSAGE = 0.3
 CORNER = 1.5
 """Maximum distance of a room's floor from drivable places, as a multiple of the radius of the robot's inner circle."""
 WIDEST_DOOR = 10.0
-"""Width above which an opening does not separate rooms, meters."""
+"""Maximum width of an opening that separates rooms, meters."""
 SHED = 3.0
 """Area above which a corridor that splits off from a single room is detected, square meters."""
 TINY = 1.0
@@ -52,7 +52,7 @@ TINY = 1.0
 LONG = 3.2
 """Threshold of (length / width) * (number of doorways - 1), above which floor is a corridor."""
 OPEN = 0.35
-"""Share of openings in the border of floor above which the floor is no room."""
+"""Maximum share of openings in the border of a room. Floor with a larger share is no room."""
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 

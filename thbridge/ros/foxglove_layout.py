@@ -19,7 +19,7 @@ Value: TypeAlias = "bool | int | float | str | Sequence[Value] | Mapping[str, Va
 Section: TypeAlias = dict[str, Value]
 
 _SCENE, _ERRORS, _ENERGY, _LOG = "3D!team", "Plot!errors", "Plot!energy", "RosOut!log"
-"""Panels: type in Foxglove, and our name."""
+"""Ids of the panels: type in Foxglove, and our name."""
 _SHARE_OF_SCENE = 0.9
 """Fraction of the scene that the map fills."""
 _ASPECT = 1.2

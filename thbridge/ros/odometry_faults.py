@@ -32,7 +32,7 @@ TOGETHER = 8192
 DEVIATIONS = 10.0
 """Maximum possible speed of a robot, as a number of median absolute deviations above the median speed."""
 LEAST_ABOVE_USUAL = (2.0, 3.0)
-"""Excess over the median speed, m/s and rad/s, that is always possible, because a standing robot may start."""
+"""Increase over the median speed that always counts as possible, m/s and rad/s, because a standing robot may start."""
 FASTEST = (50.0, 50.0)
 """Speeds in m/s and rad/s that no robot exceeds, even if most surrounding values are wrong."""
 RETURN_NS = 1_000_000_000
@@ -119,7 +119,7 @@ class SoundOdometry:
         missed: motions that the odometry does not report.
         kept: (n,) indices of the valid samples among all samples, for each run in the order of time stamps.
         outliers: (o,) indices of the outliers.
-        cuts: (k,) positions in `kept`. From each position on, poses have another origin, or the clock was changed.
+        cuts: (k,) positions in `kept`. At each position, the origin of the poses or the clock was changed.
     """
 
     runs: tuple[OdometryRun, ...]

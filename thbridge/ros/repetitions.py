@@ -17,7 +17,7 @@ _LOAD_TIME = 8
 class RepetitionFilter:
     """Filter that removes a costmap if it is equal to the last recorded costmap of its topic.
 
-    The comparison ignores time stamps. A replay can produce a removed costmap, because it is equal to the one before.
+    The comparison ignores time stamps. A replay can restore a removed costmap from the equal costmap before it.
     """
 
     def __init__(self) -> None:

@@ -118,7 +118,7 @@ class VehicleTopics:
 
 
 P_WRONG = "p_wrong"
-"""Last word of the topic with the probability that a robot's pose is wrong."""
+"""Last word of a topic's name. The topic contains the probability that a robot's pose is wrong."""
 OF_ERRORS = frozenset({"believed_pose", "position_error", "heading_error", "lost", P_WRONG})
 """Last words of the topics that show the errors of a robot's pose estimate."""
 

@@ -41,7 +41,7 @@ _MOST_ARRIVING = 256
 than `_AT_ONCE`, because an honest handshake needs several rounds."""
 
 BACKLOG = 4096
-"""Maximum number of connections that wait to be accepted. TCP of further clients tries again after a second."""
+"""Maximum number of connections that wait to be accepted. Further clients try again after a second, by TCP."""
 
 DESCRIPTORS = 12_288
 """Wanted limit of file descriptors of a process."""
@@ -225,7 +225,7 @@ def mark() -> int:
 def check_room() -> None:
     """Check that an outgoing connection would get a descriptor below the mark.
 
-    It is needed where peers choose the programs to which the session connects, and their number.
+    The check is needed where peers determine the addresses and the number of outgoing connections.
 
     Raises:
         OSError: there is no such descriptor (EMFILE).

@@ -58,7 +58,7 @@ class ProgressLines:
         self._lock = Lock()
 
     def take(self, what: str, done: int, total: int, now: float) -> None:
-        """Record the count of a task; a total of 0 means unknown."""
+        """Record the completed number and the total number of a task's units; a total of 0 means unknown."""
         with self._lock:
             self._latest = what
             task = self._tasks.setdefault(what, _CountedTask(now, done, done, total))

@@ -10,8 +10,8 @@ A robot that plans first has the right of way. The itinerary of a robot that pla
 received itineraries at every time, with waits and detours where needed (`safe_interval`). A standing robot counts as an
 itinerary of one point for all times. Robots plan in turns, one per tick, so each robot knows the plans of all others.
 
-Robots that already stand closer together than plans allow violate this distance, and plans permit this near their
-starts. The proof does not cover this case. So every itinerary is first executed in simulation (`executable`).
+Robots may already stand closer together than this distance. Plans permit this near the robots' starts, but the proof
+does not cover this case. So every itinerary is first executed in simulation (`executable`).
 
 Source: Cap, Gregoire, Frazzoli, Provably Safe and Deadlock-Free Execution of Multi-Robot Plans under Delaying
 Disturbances (IROS 2016), the control law RMTRACK; Cap, Vokrinek, Kleiner, Complete Decentralized Method for On-Line
@@ -45,11 +45,11 @@ class Itinerary:
     """Points that a robot plans to pass, each with a time.
 
     Attributes:
-        points: (m, 2) points in the map, meters. A wait is the same point twice.
+        points: (m, 2) points in the map, meters. If the robot waits, its point occurs twice.
         times: (m,) ascending, seconds. Before the first time the robot stands at the first point, after the last time
             at the last point.
-        unhindered_from: time from which on the robot drives as it would without other robots. Before, it makes way for
-            them.
+        unhindered_from: time from which on the robot drives as it would without other robots. Before this time, it
+            makes way for other robots.
     """
 
     points: FloatArray
@@ -177,8 +177,8 @@ def keeps_separation(points: FloatArray, times: FloatArray, others: OtherItinera
         points: (m, 2) points of the itinerary.
         times: (m,) their times.
         others: itineraries of the other robots.
-        separation: minimum distance from center to center, meters. Within NEAR_START of the first point, a present
-            distance that is smaller may remain.
+        separation: minimum distance from center to center, meters. Near the first point (NEAR_START), the
+            present distance is enough, even if it is smaller.
     """
     n = points.shape[0]
     for k in range(others.starts.shape[0] - 1):
@@ -218,7 +218,7 @@ def first_met(points: FloatArray, times: FloatArray, others: OtherItineraries, s
         times: (m,) their times.
         others: itineraries of the other robots.
         separation: minimum distance from center to center, meters. A robot that is nearer at the first point counts
-            only where the distance gets even smaller.
+            only where the distance decreases further.
     """
     for i in range(points.shape[0]):
         for k in range(others.starts.shape[0] - 1):
@@ -251,8 +251,8 @@ def right_of_way(
         last: index of the last point to examine.
         x: true position of the robot, with `y`.
         others: itineraries of the other robots, each from the point that it has reached.
-        separation: minimum distance from center to center, meters. A robot that is already nearer may drive where the
-            distance does not get even smaller.
+        separation: minimum distance from center to center, meters. A robot that is already nearer may drive wherever
+            the distance does not decrease further.
 
     Returns:
         An index from `index` to `last`, the other robot that blocks the next point, or -1, and True if that robot
@@ -278,8 +278,8 @@ def right_of_way(
 def executable(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> bool:
     """Return True if an itinerary can be driven to its end without stopping another robot that could drive otherwise.
 
-    This is always true for itineraries that keep their distance at equal times. But robots that already stand closer
-    may plan to remain closer for a while, and could then block each other's next points permanently. So the right of
+    This is always true for itineraries that keep their distance from each other at every time. But robots that already
+    stand closer may plan to remain closer for a while, and could then block each other's next points permanently. So the right of
     way is simulated twice: once with this itinerary, and once with this robot standing where it is.
 
     A step that is possible remains possible until it is driven. So the order in which robots are moved has no effect.
@@ -307,7 +307,7 @@ def executable(points: FloatArray, times: FloatArray, others: OtherItineraries, 
 
 @njit(cache=True)
 def _driven(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> NDArray[np.int64]:
-    """Return the (k + 1,) indices of the last points that this robot and k others reach by right of way."""
+    """Return (k + 1,) indices: the last points that this robot and k others reach if all obey the right of way."""
     own = points.shape[0]
     count = others.starts.shape[0]
     all_points = np.concatenate((points, others.points))

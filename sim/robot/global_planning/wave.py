@@ -18,7 +18,7 @@ Source: ros-planning/navigation, navfn/src/navfn.cpp; global_planner/src/dijkstr
 A Gradient Method for Realtime Robot Control (IROS 2000).
 Differences: the numbers of waiting cells, cycles and path points are not limited. At its limits, ROS gives up or drops
 cells. A path never passes between two blocked cells that meet at a corner. If the slope does not lead down, the path
-goes from cell to cell until it is lower than ever before, so that a path is found whenever one exists.
+goes from cell to cell until the potential is lower than at all earlier cells. So a path is found whenever one exists.
 """
 
 from collections import deque
@@ -376,7 +376,7 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
             best, since_best, by_cells = potential[cell], 0, False
         else:
             since_best += 1
-            # The path goes in circles, so go down from cell to cell until it is lower than ever before.
+            # The path goes in circles, so go down from cell to cell to a potential lower than at all earlier cells.
             by_cells = by_cells or since_best > MAX_STEPS_WITHOUT_DESCENT
         lowest, inside = _lowest_beside(potential, cell, cols)
         # Interpolated slopes may lead back and forth between two positions. Treat this like a place without a slope.

@@ -25,20 +25,20 @@ TURN_IN_PLACE = 1.0
 """Angle to the path above which a robot turns in place, radians. Below TURNED it starts to drive."""
 TURNED = 0.3
 ALIGNED = 0.05
-"""Angle below which a robot starts to drive after it has turned to a heading with progress, radians."""
+"""Angle below which a robot starts to drive after it has turned to a heading that brings progress, radians."""
 OUTLINE_SPACING = 0.1
 STALL_TIMEOUT = 3.0
 """Seconds of driving after which a robot that has not moved STALL_DISTANCE meters is stalled.
 
-Then obstacles count only in collisions.
+Then obstacles count only where the robot would touch them.
 """
 STALL_DISTANCE = 0.3
 FREE_AGAIN_DISTANCE = 1.0
 """Distance after which a robot is no longer stalled, and the costs of obstacles count again, meters."""
 BACK_ALONG = 0.1
-"""Maximum change of heading, since it drove forward, with which a robot with little margin may back up, radians.
-Costmaps forget obstacles under the padded outline, and a laser does not see behind the robot. So only the space where
-the body has been is certainly free."""
+"""Maximum change of heading since a robot last drove forward, radians. After a larger change, a robot with little
+margin must not back up. Costmaps forget obstacles under the padded outline, and a laser does not see behind the robot.
+So only the space where the body has been is certainly free."""
 MIN_ARC_RADIUS = 0.05
 """Minimum radius of arcs for backing up, meters. It also applies to robots with a smaller radius, even to a point."""
 
@@ -268,7 +268,7 @@ class LocalPlanner(ABC):
         return PlannedCommand(command, self._preview(pose, twist, command), score == math.inf)
 
     def _align(self, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand | None:
-        """Return the command that turns the robot to the stored heading with progress.
+        """Return the command that turns the robot to the stored heading that brings progress.
 
         If there is no such heading, if the robot has reached it, or if something blocks the turn, forget the heading
         and return None.
@@ -295,7 +295,7 @@ class LocalPlanner(ABC):
         greatest_v: float,
         around: Surroundings,
     ) -> float | None:
-        """Return a heading with progress, to which the robot can turn in place, or None if there is none.
+        """Return a heading that brings progress and to which the robot can turn in place; None if there is none.
 
         See `_search` for the arguments.
         """
@@ -321,7 +321,7 @@ class LocalPlanner(ABC):
             path: see `follow`.
             greatest_v: maximum velocity, m/s. The maximum in the parameters also applies.
             around: see `follow`.
-            stalled: True if obstacles count only in collisions, and if the robot must not stand still.
+            stalled: True if obstacles count only where the robot would touch them, and the robot must not stand still.
         """
 
     def _is_stalled(self, pose: Pose2) -> bool:

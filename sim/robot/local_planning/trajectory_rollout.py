@@ -38,7 +38,7 @@ HEADING_SCALE = 0.3
 STANDSTILL_SPEED = 1e-3
 """Velocity below which a command makes no progress, m/s."""
 LOOK_AROUND = 0.5 * math.pi
-"""Range on both sides in which a robot searches for a heading with progress, radians."""
+"""Range on both sides in which a robot searches for a heading that brings progress, radians."""
 LOOK_STEP = 0.15
 """Step between the headings of this search, radians."""
 

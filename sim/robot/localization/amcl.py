@@ -2,10 +2,10 @@
 
 A cloud of particles represents the pose. At the first scan after enough motion, the cloud is moved, weighed and
 resampled (`hypothesis`). If the scans fit the map badly from this pose, a second cloud, the rival, searches for the
-robot on the whole map. The reported pose remains the tracked one until the rival has explained scans better for some
-time. So a single bad scan, a person near the robot or a closed door does not make the pose jump. The robot is lost if
-several scans fit the pose so badly that it cannot be right, or if the rival is better. It is found if particles and map
-agree for some successive scans, and if scans have disproved the best other pose on the map.
+robot on the whole map. The tracked pose is reported until the rival has explained scans better for some time. So a
+single bad scan, a person near the robot or a closed door does not make the pose jump. The robot is lost if several
+scans fit the pose so badly that it cannot be right, or if the rival is better. It is found if particles and map agree
+for some successive scans, and if scans have disproved the best other pose on the map.
 
 Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 8.3, sized by KLD sampling (Fox 2003); amcl_node.cpp
 and pf.c of ros-planning/navigation for the times and the order of the steps. Docstrings name the differences from amcl.
@@ -50,7 +50,7 @@ was found by a recent search, the second for a pose that was set or has been tra
 MOST_OF_ONE_SCAN = 0.25
 """Maximum effect of one scan for or against a rival, so that no single scan decides."""
 CHALLENGED = 0.15
-"""Minimum lead of a rival with which the tracked pose is not reliable."""
+"""Lead of a rival above which the tracked pose is not reliable."""
 WON = 1.0
 """Lead at which a rival replaces the tracked pose. A rival needs at least four scans to reach it."""
 DOUBT = 0.5

@@ -207,7 +207,7 @@ def _slide(particles: FloatArray, moved: OmniIncrement, spread: OmniSpread, nois
 
 @njit(cache=True)
 def _square_ratios(noise: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray:
-    """Return (3,) ratios of the weighted mean squares of (3 n,) normals after a scan to those before it."""
+    """Return (3,) ratios of the weighted mean squares of (3 n,) normals: after a scan, divided by before the scan."""
     squares = np.zeros((2, 3))
     for i in range(before.size):
         for k in range(3):
@@ -264,10 +264,10 @@ class MotionModel:
     ) -> NoiseScales:
         """Return the factors of the odometry noise after one more scan.
 
-        If the odometry noise equals the noise of the particles, the particles that a scan confirms have errors of the
-        same size as all particles. If the odometry noise is larger, particles with the largest errors survive. The
-        ratio of their mean square error to that of all particles shows how much larger the noise is. The factors are
-        never below 1, so the alphas give the minimum noise.
+        Particles are moved with random errors of the assumed size. If the true odometry noise has this size, the
+        particles that fit a scan have average errors. If it is larger, the particles with the largest errors fit best.
+        The ratio of their mean square error to that of all particles shows how much larger the noise is. The factors
+        are never below 1, so the alphas give the minimum noise.
 
         Args:
             scales: previous factors, with which the particles were moved.

@@ -32,7 +32,9 @@ def _effective(logs: FloatArray, exponent: float) -> float:
 
 @njit(cache=True)
 def tempered(logs: FloatArray, share: float) -> FloatArray:
-    """Return the likelihoods, raised to a power that is low enough to keep a share of equal particles effective.
+    """Return the likelihoods, raised to a power at which the effective number of particles is large enough.
+
+    The particles have equal weights before the scan.
 
     Beams end on the same walls and share the map's errors. If their likelihoods are multiplied as if they were
     independent, one scan often leaves only one particle of a hundred. Such a filter is more certain than it should be,
@@ -43,7 +45,8 @@ def tempered(logs: FloatArray, share: float) -> FloatArray:
         share: minimum effective number, as a share of n.
 
     Returns:
-        (n,) likelihoods with a maximum of 1. The power is the greatest up to 1 that keeps the share effective.
+        (n,) likelihoods with a maximum of 1. The power is the greatest number up to 1 that gives
+            the effective number `share` times n.
 
     Source: Probabilistic Robotics, section 6.3.4, on exponents below 1; Liu (1996) for the effective number.
         Difference: the exponent is not fixed, but as low as the cloud requires.
@@ -140,10 +143,10 @@ def adaptive(
     least: int,
     most: int,
 ) -> NDArray[np.int64]:
-    """Draw particles systematically, as many as the drawn cloud requires.
+    """Draw particles systematically. The spread of the drawn cloud determines their number.
 
     A systematic draw needs its size beforehand, but KLD sampling gives the size only afterwards. So the draw is
-    repeated with growing size, until the number of particles is what their bins require, or `most`.
+    repeated with growing size, until it has the number of particles that their bins require, or `most` particles.
 
     Args:
         weights: (n,) see `systematic`.

@@ -19,9 +19,9 @@ from sim.robot.localization.bilinear import REACH, interpolate
 from sim.robot.localization.surface_matching import refined
 
 _FINEST, _COARSEST = 0.15, 0.6
-"""Finest and coarsest distance from a surface above which points begin to count as unmapped things, meters."""
+"""Finest and coarsest width of a match, meters. Points at a larger distance from surfaces count as unmapped things."""
 _SEARCHED = 0.3
-"""The same distance for comparing poses on the whole map, meters. It is larger because these poses are not exact."""
+"""Width for comparing poses on the whole map, meters. It is larger because these poses are not exact."""
 SPACING, _HEADINGS = 0.4, 16
 """Distance between the first positions of a search, meters, and number of headings at each position."""
 _REFINED = 40

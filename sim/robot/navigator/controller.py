@@ -21,7 +21,7 @@ from sim.robot.navigator.costmaps import Costmaps
 from sim.robot.navigator.scan_obstacles import may_turn, room_ahead, seen_around
 
 LOOK_AHEAD = 1.75
-"""Maximum length of path given to the local planner, meters."""
+"""Maximum length of the path that the local planner receives, meters."""
 RIM_MARGIN = 0.25
 """Minimum distance between the end of this path and the local costmap's border, meters. Until the next update, the
 robot drives toward this end."""

@@ -35,9 +35,9 @@ from sim.robot.navigator.transitions import check_transition
 HALT_DISTANCE = 0.12
 """Distance at which a robot waits before a point that it must not pass, meters."""
 TURN_BACK_DISTANCE = 0.06
-"""Distance by which a path must come nearer again to count as turning back, meters."""
+"""Minimum distance by which a path that turns back comes nearer to the robot again, meters."""
 YIELD_TIME = 0.5
-"""Minimum time before it reaches a point that it must not pass at which a robot slows down, seconds."""
+"""Minimum time in which a robot reaches a point that it must not pass, seconds. So it slows down before the point."""
 STUCK_TIMEOUT = 2.0
 """Seconds without progress, for other reasons than the right of way, after which a robot plans again."""
 QUEUE_TIMEOUT = 20.0
@@ -173,7 +173,7 @@ class Follower:
 
     @property
     def hindered(self) -> bool:
-        """True before the point from which on the itinerary is as it would be without other robots."""
+        """True until the time after which the itinerary is the same as it would be without other robots."""
         return self.time < self._itinerary.unhindered_from
 
     @property

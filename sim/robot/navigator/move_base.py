@@ -261,7 +261,7 @@ class Navigator:
         self._making_way.go_on(tick)
 
     def rejoin(self, neighbours: Sequence[Neighbour]) -> None:
-        """Process the broadcasts of the last tick, which had no step. Some may be the last of their robots."""
+        """Process the broadcasts of the last tick, which had no step. For some robots, it may be the last broadcast."""
         self._stale.update(self._tick, self._rotated.neighbours_in_grid(neighbours))
 
     @property

@@ -1,4 +1,4 @@
-"""State "planning" of move_base: times of plans, their consequences, and the order in which robots go."""
+"""State "planning" of move_base: times of plans, effects of plans, and the order in which robots drive."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -136,7 +136,7 @@ class PlanningCycle:
                 self._refuse(tick, pose, goal, planned)
 
     def _defers_to(self, target: Pose2, neighbours: Sequence[Neighbour]) -> int | None:
-        """Return a robot that should go first, because its goal is older and its wanted path leads over this goal."""
+        """Return a robot that should go first, because its goal is older and its wanted path leads over `target`."""
         own = Claim(self._execution.progress.began, self._robot)
         older = (other for other in neighbours if other.claim is not None and other.claim < own)
         place = target.array()[:2]

@@ -2,7 +2,7 @@
 
 A robot that dies in a doorway stays there. The others remember its last known pose. Plans avoid this pose until
 STALE_TIMEOUT. Later, they avoid the robot only if the laser sees it, because it may have been removed. Braking avoids
-the pose until the laser looks through the place where the robot stood.
+the pose until laser beams pass through the place where the robot stood.
 """
 
 import math
@@ -84,7 +84,7 @@ class StaleNeighbours:
         return max(self._robots, default=0)
 
     def forget_seen_through(self, laser_in_map: Pose2, scan: Scan) -> None:
-        """Forget the stale robots if the laser looks through their places."""
+        """Forget the stale robots if laser beams pass through their places."""
         if not self._stale:
             return
         angles = scan.mount.angles()

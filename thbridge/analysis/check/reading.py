@@ -72,7 +72,7 @@ class Reading:
 
 
 class _Step(Protocol):
-    """Function that reads or skips fields, given the offset of the first; returns the offset after the last."""
+    """Function that reads or skips fields, from the offset of the first field. It returns the offset after the last."""
 
     def __call__(self, data: bytes, at: int, into: Reading) -> int: ...
 

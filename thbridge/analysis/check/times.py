@@ -20,8 +20,8 @@ from thbridge.recording.bag.reading.scan import ConnectionRecord
 TF_CACHE = 10.0
 """Seconds that tf2 keeps transforms (tf2, buffer_core.h, DEFAULT_CACHE_TIME)."""
 LATE, LEAST_LATE = 0.25, 5
-"""Least difference between stamp and recording that counts as large, seconds, and least number of such messages.
-Drivers and filters need less time. A robot at 0.5 m/s drives 12 cm in 0.25 s."""
+"""Minimum difference between stamp and time of recording that counts as large, seconds; minimum number of messages with
+such a difference. Drivers and filters need less time. A robot at 0.5 m/s drives 12 cm in 0.25 s."""
 
 
 class StampZero:
@@ -93,7 +93,7 @@ class HeaderStampOffset:
         self._worst_ns: dict[str, int] = {}
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Check every topic that is neither latched nor has static transforms."""
+        """Check every topic, except latched topics and topics with static transforms."""
         if _is_sent_once(source):
             return None
         topic = source.topic
@@ -127,7 +127,8 @@ class RecordedLate:
 
     Tools that use the time of recording then match messages wrongly. The messages are recorded late, or stamped later
     than their recording, which is impossible with one clock. Latched topics and static transforms are not checked, as
-    in `HeaderStampOffset`, which finds greater differences. Transforms that amcl stamps ahead are not checked either.
+    in `HeaderStampOffset`, which finds greater differences. amcl's transforms, which have stamps in the future, are not
+    checked either.
     """
 
     def __init__(self) -> None:
@@ -136,7 +137,7 @@ class RecordedLate:
         self._sum_ns: Counter[tuple[str, bool]] = Counter()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Check every topic that is neither latched nor has static transforms."""
+        """Check every topic, except latched topics and topics with static transforms."""
         if _is_sent_once(source):
             return None
         topic, may_be_ahead = source.topic, source.msgtype in TF_TYPES

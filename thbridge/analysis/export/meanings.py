@@ -266,7 +266,7 @@ TOPICS: Mapping[str, str] = {
     "costmap": "a costmap",
     "footprint": "the outline of the robot",
 }
-"""Contents of topics, by whole name or by last word."""
+"""Contents of topics, by the full name of the topic or by its last word."""
 
 _SUFFIXES = {
     "degC": "celsius",

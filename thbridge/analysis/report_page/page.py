@@ -166,7 +166,10 @@ def _robot_row(index: int, track: Track) -> dict[str, str]:
 
 
 def _dialogues(recorded: RecordedDialogues) -> dict[str, object] | None:
-    """Return the part about argumentation dialogues (games by kind and opener, moves by locution), or None if none."""
+    """Return the part about argumentation dialogues: games by kind and opener, and moves by locution.
+
+    Return None if there are no dialogues.
+    """
     if not recorded.games:
         return None
     kinds = sorted({(game.kind, game.opener) for game in recorded.games})

@@ -53,7 +53,7 @@ from thbridge.timing.pacer import Pacer
 BEFORE_THERE_WERE = (StudyChange("robot.amcl.odom_noise_learning_rate", "0"),)
 """Keys that are missing in the studies of older recordings, with values that reproduce the robots' behavior then."""
 NOT_IN_OLDER = frozenset({names.ROOMS, names.DIAGNOSTICS, names.ROSOUT})
-"""Topics that are not compared if the recording is older than the topic with the names of rooms.
+"""Topics that are not compared if an older release, without the topic of the rooms' names, made the recording.
 
 Diagnostics and log of later releases also name the robot to which another robot gives way.
 """
@@ -88,7 +88,7 @@ class Replayed:
         ticks: number of ticks of the replay.
         messages: number of equal messages.
         difference: the first difference; None if all messages are equal.
-        cut_off: True if the recording ends in the middle of a tick whose recorded messages are all equal.
+        cut_off: True if the recording ends in the middle of a tick, and all messages up to its end are equal.
         finished: True if the replay has reached a difference or the end; False if it was stopped.
         wall_seconds: real time of the replay, seconds.
         reworded: number of messages that are equal only after old wordings are replaced; see `rewordings`.

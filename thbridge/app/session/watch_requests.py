@@ -50,7 +50,7 @@ from thbridge.timing.pacer import Pacer
 from thbridge.watching.sockets.server import SessionPace
 
 MOST_PENDING = 200
-"""Largest number of requests between two ticks. A person never makes as many requests during a pause."""
+"""Largest number of requests between two ticks. A person always makes fewer requests during a pause."""
 
 MOST_CHARACTERS = 500
 """Largest number of characters of a name, or of a sentence that a person writes for a robot."""

@@ -76,7 +76,7 @@ class Beliefs:
     def stance(self, proposition: Proposition) -> Stance:
         """Return the opinion on a proposition. A proposition that other beliefs exclude counts as disbelieved.
 
-        The opinion is unknown without a belief about the proposition, and for inconsistent beliefs.
+        The opinion is unknown if there is no belief about the proposition, or if beliefs contradict each other.
         """
         wanted = Literal(proposition)
         yes, no = wanted in self, any(opposed(wanted, held) for held in self.origins)
@@ -85,7 +85,7 @@ class Beliefs:
         return Stance.BELIEVES if yes else Stance.DISBELIEVES
 
     def is_undecided(self, proposition: Proposition) -> bool:
-        """Return True if neither a proposition nor a literal opposed to it is held."""
+        """Return True if the agent holds neither this proposition nor a literal that is opposed to it."""
         return self.stance(proposition) is Stance.UNKNOWN and Literal(proposition) not in self
 
     def arguments(self, conclusion: Belief) -> tuple[Argument, ...]:

@@ -23,7 +23,7 @@ class Picture:
         rules: rules that agent j is taken to hold.
         unknown: propositions about which agent j has shown that it knows nothing.
         arguments: arguments that one side has put forward to the other side.
-        argued: conclusions for which agent j is taken to have some argument.
+        argued: conclusions for which agent j is assumed to have an argument.
     """
 
     held: frozenset[Literal] = frozenset()
@@ -44,7 +44,7 @@ class Picture:
                 return all(part in self.held for part in content.parts)
 
     def stance(self, proposition: Proposition) -> Stance:
-        """Return the opinion that agent j is taken to have, also as a consequence of its other opinions."""
+        """Return the opinion that agent j is assumed to have, also as a consequence of its other opinions."""
         wanted = Literal(proposition)
         if wanted in self:
             return Stance.BELIEVES

@@ -79,7 +79,7 @@ class Conversation:
 
     @property
     def refused(self) -> GamePlay | None:
-        """The dialogue that has just ended with a refusal that its defender may question, or None."""
+        """The dialogue that has just ended with a refusal, if its defender may question the refusal; otherwise None."""
         if not self.record or (number := self.record[-1].dialogue) <= self.since:
             return None
         play = self.play(number)
@@ -88,7 +88,7 @@ class Conversation:
         return play if play.end is not None and play.in_question is not None and goes_on else None
 
     def case(self, proposition: Proposition) -> DialogueCase:
-        """Return the case of the robot's opinion on a proposition, and the opinion that it attributes to the person."""
+        """Return the case for a proposition, from the robot's opinion and the opinion that it attributes to the person."""
         robot = self.agents[Side.ROBOT]
         return case_of(robot.beliefs.stance(proposition), robot.picture.stance(proposition))
 
@@ -97,7 +97,7 @@ class Conversation:
         return tuple(legal.move for legal in self._legal(self.play(number)))
 
     def openings(self, side: Side, proposition: Proposition, parent: int | None = None) -> tuple[Opening, ...]:
-        """Return the possible openings of a dialogue about a proposition by a side.
+        """Return the openings with which a side may begin a dialogue about a proposition.
 
         Args:
             side: the side that opens the dialogue.
@@ -123,7 +123,7 @@ class Conversation:
         return tuple(opening for game, topic in topics for opening in self.opening(side, game, topic, parent))
 
     def opening(self, side: Side, game: str, topic: Belief, parent: int | None = None) -> tuple[Opening, ...]:
-        """Return the possible openings of this game about this topic by a side, independent of the nine cases."""
+        """Return the openings with which a side may begin this game about this topic, regardless of the nine cases."""
         fresh = self._new(game, topic, side, parent)
         if parent is not None and not fresh.questions_refusal:
             outer = self.play(parent)
@@ -223,7 +223,7 @@ class Conversation:
     def _has_answer(self, fresh: GamePlay, legal: LegalMove) -> bool:
         """Return True if the other side has a reply that it has not used up in a dialogue with the same beginning.
 
-        A refusal is questioned by a locution that asks and does not claim, and only if the other side has an answer.
+        A locution that questions a refusal must not make a claim, and the other side must have an answer.
         """
         if fresh.questions_refusal and self.rulebook.makes_claim(legal.move):
             return False

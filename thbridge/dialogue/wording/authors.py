@@ -1,8 +1,8 @@
 """Other authors of sentences: programs that word moves. Each sentence is compared with the files' own sentence.
 
 A sentence is accepted if it contains the same values in the same order, the same negations, and no other values. So
-robots and people never say anything that they do not believe. Sentences that cannot be checked are refused, and the
-sentence of the files is said.
+robots and people never say anything that they do not believe. A sentence that cannot be checked is refused and replaced
+by the sentence from the files.
 """
 
 import re
@@ -176,8 +176,8 @@ def judge_sentence(sentence: object, request: WordingRequest) -> SentenceRefusal
     """Return the reason why a sentence is refused for a move, or None if it is accepted.
 
     Its numbers, names, negations and the words that the language declares as bound must be the same as in the files'
-    sentence, in the same order: `100 is less than 1000` is not `1000 is less than 100`. Punctuation must separate
-    clauses at the same places as in the files' sentence. Other parts of the meaning are not checked.
+    sentence, in the same order: `100 is less than 1000` does not mean `1000 is less than 100`. Punctuation must
+    separate clauses at the same places as in the files' sentence. Other parts of the meaning are not checked.
     """
     if not isinstance(sentence, str):
         return SentenceRefusal(RefusalReason.NO_TEXT, f"it is no text: a {type(sentence).__name__}")
@@ -201,7 +201,7 @@ def longest_sentence(sentence: str) -> int:
 
 
 def can_be_found(listed: str) -> bool:
-    """Return True for possible negations and bound words of a grammar: one word, or `*` and the end of words."""
+    """Return True if a negation or bound word of a grammar is valid: a word, or `*` followed by the end of words."""
     return _LISTED.fullmatch(listed) is not None
 
 

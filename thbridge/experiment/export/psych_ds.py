@@ -26,8 +26,8 @@ def dataset_description(title: str, tables: Iterable[ExperimentTable], notes: Se
     Args:
         title: title of the experiment.
         tables: all exported tables. The text describes all columns. If several tables have a column with the same
-            name, the text describes the column of the first table. In its sidecar, each
-            table has the description of its own column.
+            name, the text describes the column of the first table. The sidecar of each table describes the table's
+            own column.
         notes: sentences about the data, for the description of the data set.
     """
     columns = {column.name: column for table in reversed([*tables]) for column in reversed(table.columns)}

@@ -103,7 +103,7 @@ class EventKind(StrEnum):
     WENT_BACK = "went-back"
     """A person went back to an earlier page of the current form. Data: page, the number of this page from 1."""
     GAME_PLAYED = "game-played"
-    """A trial has its recording. Data: bag, sha256, and measures of the game."""
+    """The game of a trial was played and recorded. Data: bag, sha256, and measures of the game."""
     PRACTICE_PLAYED = "practice-played"
     """A practice game has ended. Data: amounts by `PracticeTerm`, and missing, the unmet requirements."""
     STEP_ENDED = "step-ended"
@@ -132,8 +132,8 @@ class EventKind(StrEnum):
     FAREWELL_READ = "farewell-read"
     """A person has closed the last page, which shows the completion code or the reason why the run ended."""
     RUN_ENDED = "run-ended"
-    """Data: outcome and reason; for a complete run, code, the completion code; and excluded, the reason why a complete
-    run does not count."""
+    """Data: outcome and reason. For a complete run, also code, the completion code. For a complete run that does not
+    count, also excluded, the reason."""
     RUN_EXCLUDED = "run-excluded"
     """The experimenter excluded a run. Data: reason."""
     REHEARSED = "rehearsed"

@@ -185,7 +185,7 @@ def as_ros1(path: Path, tree: Section, notices: list[str]) -> Section:
 
 
 def _nodes(tree: Section) -> Iterator[tuple[Scalar, Section]]:
-    """Yield each node's name and its parameters, below any namespaces."""
+    """Yield the name and the parameters of each node, including nodes in namespaces."""
     for key, child in tree.entries:
         if not isinstance(child, Section):
             continue

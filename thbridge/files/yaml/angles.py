@@ -42,7 +42,7 @@ def product(text: str) -> float | None:
 
 
 def doubt_about(text: str, radians: float) -> tuple[str, str] | None:
-    """Return why a number of radians looks like degrees, and the remedy, or None if it does not.
+    """Return the reason why a number of radians looks like degrees, and the remedy; None if it does not.
 
     Args:
         text: the number as it is written.

@@ -1,6 +1,6 @@
 """Declarations in classes of parameters: ranges, choices, units and old names of their fields.
 
-Fields are declared with `sim.parameters.param`, or without it.
+Most fields are declared with `sim.parameters.param`. Other fields of dataclasses are accepted, too.
 """
 
 import dataclasses
@@ -54,7 +54,7 @@ def metadata_of_items(metadata: Metadata, hints: Sequence[object]) -> Sequence[M
 
     Args:
         metadata: metadata of the list.
-        hints: type of each item. A list of lists passes on all of its metadata, even if it has as many items as units.
+        hints: type of each item. A list of lists passes on all of its metadata, even if it has one unit per item.
     """
     units = str(metadata.get("unit", "")).split(", ")
     if len(units) == 1 or len(units) != len(hints) or any(get_origin(hint) is tuple for hint in hints):

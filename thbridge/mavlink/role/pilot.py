@@ -73,7 +73,7 @@ class GameSetup:
         return next((room for room in self.rooms if inside(room.region, xs, ys)[0]), None)
 
     def misplaced(self, robot: int, x: float, y: float) -> Denied | None:
-        """Return a denial if a robot can never stand at a point of the map. Its sentence is that of a navigator."""
+        """Return a denial if a robot can never stand at a point of the map. Its sentence is a navigator's sentence."""
         grid = self.floor.grid
         row, col = grid.cell_of(x, y)
         if not grid.contains(row, col):

@@ -26,8 +26,8 @@ peer whose last frame is oldest is replaced.
 """
 
 SETTLED_SECONDS = 3.0
-"""Seconds between a peer's first and last valid frame after which the peer is replaced last. A peer with a forged
-address is younger."""
+"""Minimum time between the first and the last valid frame of a peer that is replaced last, seconds. A peer with a
+forged address is younger."""
 
 MEETINGS = 64
 """Maximum number of new peers of one socket per second. Datagrams of further new peers are dropped."""
@@ -48,7 +48,10 @@ _LARGEST = 8192
 """Maximum number of bytes that are read from a datagram. This is above the packet size of any network."""
 
 BUFFER = 4 * 1024 * 1024
-"""Wanted size of the system's socket buffers in bytes, because they fill during a tick. The system may grant less."""
+"""Requested size of the system's socket buffers, bytes. The buffers must store all datagrams of a tick.
+
+The system may grant less.
+"""
 
 SocketAddress = tuple[str, int] | tuple[str, int, int, int]
 """Address as a tuple of Python's sockets, for IPv4 or IPv6."""
@@ -178,7 +181,7 @@ class UdpPort:
             read += self._received(data, address)
 
     def _received(self, data: bytes, address: SocketAddress) -> int:
-        """Process a datagram. Return the number of frames in it."""
+        """Process a datagram, and return the number of its frames."""
         now = asyncio.get_running_loop().time()
         peer = self._peers.get(address) or self._meet(address, now)
         if peer is None or now < peer.muted:

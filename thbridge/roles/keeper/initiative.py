@@ -18,7 +18,7 @@ from thbridge.roles.shared.view import RequestSuggestion
 from thbridge.text_protocol.wire.notice import kind_of
 
 _READING = 30 * TICKS_PER_SECOND
-"""Number of ticks for which a robot waits at least for the participant to read its sentences and answer."""
+"""Minimum number of ticks for which a robot waits while the participant reads its sentences and answers."""
 
 
 def suggest(game: OpenGame, state: GameState, robot: int, advice: Advice, *, unasked: bool = False) -> None:

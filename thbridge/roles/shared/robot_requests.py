@@ -52,7 +52,7 @@ class WizardMode:
 
 @dataclass(frozen=True, slots=True)
 class WizardMove:
-    """Make the next move of a robot instead of its strategy.
+    """Make a robot's next move in place of the robot's strategy.
 
     Attributes:
         dialogue: number of the dialogue.
@@ -176,25 +176,25 @@ class Step:
 PaceRequest = Pause | Resume | SetRate | Step
 """A request about the pace of a session.
 
-The request acts at once and does not change results, so it is not an input.
+The request takes effect at once and does not change results, so it is not an input.
 """
 
 WizardRequest = WizardMode | WizardMove | WizardAdvice
-"""A request of a person who speaks for a robot (Wizard-of-Oz). The request acts in the next tick."""
+"""A request of a person who speaks for a robot (Wizard-of-Oz). The request takes effect in the next tick."""
 
 CommandRequest = (
     TakeCommand | ReleaseCommand | StationSend | StationStop | StationTakePicture | StationIdentify | StationLeave
 )
-"""A request of a ground station to the game. The request acts in the next tick. Refused requests are dropped."""
+"""A request of a ground station to the game. It takes effect in the next tick. Refused requests are dropped."""
 
 GameRequest = WizardRequest | CommandRequest
 """A request to the game from another party than the participant."""
 
 RobotRequest = TeamInput | GraphRequest | SetParameters
-"""A request to a robot. The request acts in the next tick. It delays a move of the game, but does not end the move."""
+"""A request to a robot. It takes effect in the next tick. It delays a move of the game, but does not end the move."""
 
 Request = RobotRequest | GameRequest
-"""A request to a session that is recorded as an input."""
+"""Request to a session. It is recorded as an input."""
 
 REQUESTS: dict[str, type[Request]] = {
     **TEAM_INPUTS,

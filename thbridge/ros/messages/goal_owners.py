@@ -26,7 +26,7 @@ _FIRST = {
     GoalOwner.RESEARCHER: 2_000_000_000,
     GoalOwner.GROUND_STATION: 3_000_000_000,
 }
-"""Number in recordings of each owner's goal 0, in ascending order."""
+"""Recorded number of each owner's goal 0. The numbers are in ascending order."""
 
 
 def recorded_number(owner: str, number: int) -> int:

@@ -141,7 +141,7 @@ class ParameterTree:
 
         Args:
             space: a global name, usually the name of the node.
-            key: a relative key. A global key is only searched as it is.
+            key: a relative key. A global key is searched only under exactly this name.
 
         Raises:
             ValueError: the key is empty or private, or the namespace is not global.

@@ -12,7 +12,7 @@ from thbridge.rosgraph.wire.arguments import InvalidArgumentError
 from thbridge.rosgraph.wire.xmlrpc import XmlRpcValue
 
 MAX_NODES = 2048
-"""Maximum number of nodes. Each node may have a socket here, and the master notifies it of changes of its topics."""
+"""Maximum number of nodes. Each node may need a socket here, because the master notifies nodes of changes of topics."""
 
 MAX_REGISTRATIONS = 32_768
 """Maximum number of registrations. A graph of 1000 nodes and 5000 topics has about 20,000."""

@@ -29,7 +29,7 @@ HeaderFields: TypeAlias = dict[str, str]
 _LENGTH = struct.Struct("<I")
 
 LENGTH_BYTES = _LENGTH.size
-"""Size in bytes of the length before the body of a frame."""
+"""Size in bytes of the field with the length of a frame's body."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class OverlongFrame:
 
 
 def frame(body: bytes) -> bytes:
-    """Return a frame: a body after its length."""
+    """Return a frame: the length of the body, then the body."""
     return _LENGTH.pack(len(body)) + body
 
 

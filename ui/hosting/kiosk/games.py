@@ -73,7 +73,7 @@ class GameWatcher(Protocol):
 
 
 class StudyGames:
-    """Player of the games of one study.
+    """Runner of the games of one study.
 
     Args:
         folder: folder of the study.

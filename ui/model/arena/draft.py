@@ -221,7 +221,7 @@ class ArenaPointer:
         chosen: number of the selected room, or None.
         start: index of the selected start pose, or None.
         stroke: both ends of the box or line that a person is drawing, in the map frame; None if there is no drawing.
-        shown: the arena as it would be after a release of the pointer at its present place.
+        shown: the arena as it would be if the person released the pointer now.
         refusal: reason why a release of the pointer would not change the arena; empty if the arena would change.
     """
 

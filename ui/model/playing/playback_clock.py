@@ -13,7 +13,7 @@ FIRST_DELAY = 0.05
 """Delay in seconds until the latency of the network is known."""
 
 CATCH_UP_BURST = 0.1
-"""Duration in seconds, after a standstill, in which the network may deliver all delayed samples at once."""
+"""Time after a standstill within which the network may deliver all delayed samples at once, seconds."""
 
 MAX_SAMPLES = 128
 """Largest number of stored samples."""

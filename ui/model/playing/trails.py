@@ -14,7 +14,7 @@ TRAIL_POINTS = 44
 """Largest number of points of a trail; they cover 5 m."""
 
 PATH_SEARCH = 1.5
-"""Length of the part of a path, ahead of the robot's last place, in which the present place is searched, meters."""
+"""Length of the part of a path that is searched for the robot's present place, ahead of its last place, meters."""
 
 
 class Trail:

@@ -106,7 +106,7 @@ class RobotAttention:
 
     @property
     def interaction(self) -> list[float]:
-        """For each departure by the person: time from the person's first act to the robot's departure, s."""
+        """For each robot that the person sent: time from the person's first act to the robot's departure, s."""
         return [
             each.departed - each.first_act
             for each in self.stands
@@ -115,7 +115,7 @@ class RobotAttention:
 
     @property
     def delays(self) -> list[float]:
-        """For each departure by the person: times from arrival to first act, and from last act to departure, s."""
+        """For each robot that the person sent: times from arrival to first act, and from last act to departure, s."""
         sent = [each for each in self.stands if each.by_person and each.departed is not None]
         known = ((each.began, each.first_act, each.last_act, each.departed) for each in sent)
         return [

@@ -73,7 +73,7 @@ def participants_section(records: ExperimentRecords, people: str) -> Iterator[st
 
 
 def _ended(number: int, words: str) -> str:
-    """Return a number of people with their outcome in words: "2 were excluded", "1 was excluded"."""
+    """Return a clause with a number of people and their outcome: "2 were excluded", "1 was excluded"."""
     return f"{number} {words.replace('were ', 'was ') if number == 1 else words}"
 
 
@@ -138,7 +138,10 @@ def _dates(records: ExperimentRecords) -> str:
 
 
 def _characteristics(records: ExperimentRecords) -> Iterator[str]:
-    """Yield sentences about age and gender if a form has items with these ids, and a gap for all other information."""
+    """Yield sentences about age and gender if a form has items with these ids.
+
+    Also yield a note in brackets about all other information, which the author must add.
+    """
     ages: dict[str, float] = {}
     genders: dict[str, str] = {}
     asked = {

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 _NO_SETTINGS = ("seed", "server.", "watch.", "open_to", "keys")
-"""Prefixes of keys without effect on participants.
+"""Prefixes of keys that have no effect on participants.
 
 Seeds have their own sentence in the text. The other prefixes concern the network.
 """

@@ -46,7 +46,7 @@ class ItemJump:
 
 @dataclass(frozen=True, slots=True)
 class ItemSkip:
-    """Skip of the item. `sentence` is the reason."""
+    """Decision to skip the item. `sentence` is the reason."""
 
     sentence: str
 

@@ -42,8 +42,8 @@ class ParameterProtocol(Microservice):
     Args:
         settings: the parameters.
         announce: sends texts to people.
-        ardupilot: True if a value is the number itself, whatever type the station declares. If False, values of other
-            types than float would be encoded as their bytes, and are refused.
+        ardupilot: True if a value is the number itself, whatever type the station declares. If False, only float values
+            are accepted, because values of other types would be encoded as their bytes.
     """
 
     def __init__(self, settings: ParameterSettings, announce: Announce, ardupilot: bool) -> None:

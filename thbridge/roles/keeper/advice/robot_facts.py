@@ -19,7 +19,7 @@ from thbridge.roles.keeper.advice.adviser import can_compare, start_of, tours_se
 from thbridge.roles.shared.participant_rules import Discussed, other_candidate
 
 _SURE, _LOST = 1.0, 0.3
-"""Confidence of a robot in the costs from its estimated position: of a normal robot, and of a lost robot."""
+"""Confidence of a robot in the costs from its estimated position: if the robot is not lost, and if it is lost."""
 
 
 def where_facts(

@@ -52,7 +52,7 @@ def handle_station_request(
 
 
 def sense_for_stations(game: OpenGame, state: GameState) -> None:
-    """Let robots of ground stations sense the treasure on arrival, because stations cannot request it.
+    """Let robots that ground stations command sense the treasure on arrival, because stations cannot request it.
 
     With a Hider of 2016, this is not possible, because it does not reveal the treasures.
     """

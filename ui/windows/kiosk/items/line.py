@@ -66,7 +66,7 @@ class MarkedLine(QSlider):
             self._field.changed.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Move the mark by a key, or go to the next item by Enter."""
+        """Move the mark when a key is pressed, or go to the next item when Enter is pressed."""
         whole = self.maximum()
         at = self.value() if self.marked else whole // 2
         first = 0 if not self.marked else 1

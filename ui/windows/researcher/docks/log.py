@@ -134,7 +134,7 @@ class LogModel(TableModel):
 
 
 class LogView(QWidget):
-    """List with a filter. It scrolls with the time shown until a person scrolls the list.
+    """List with a filter. It scrolls to the displayed time by itself until a person scrolls it.
 
     Args:
         name: name of the list for screen readers.
