@@ -64,8 +64,8 @@ class TeamSnapshot:
             because their truth is unknown.
         robots: outputs of the robots, in the team's order.
         commands: (n, 2) m/s and rad/s given to the motors in this tick, by navigators or by hand.
-        dead: indices of dead robots, which perceive, broadcast and do nothing. Their entries are from their last tick
-            alive.
+        dead: indices of dead robots, which perceive, broadcast and do nothing. Their entries are from the last tick
+            before their death.
     """
 
     tick: int

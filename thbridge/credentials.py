@@ -53,7 +53,7 @@ class Credentials:
 LOCAL = Credentials()
 """Credentials of clients on this machine: all rights, without a key."""
 PLAIN = Credentials(extended=False)
-"""Credentials of clients on other machines without a key."""
+"""Credentials of clients that connect from other machines and present no key."""
 
 
 class KeyAnswer(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=True):

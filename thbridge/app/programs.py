@@ -34,7 +34,7 @@ from thbridge.timing.pacer import Pacer
 _log = logging.getLogger(__name__)
 
 SIMR = "simr"
-"""Name in recordings of the program that runs only the robots."""
+"""Name, in recordings, of the program that runs only the robots."""
 
 
 class RoleRunner(Protocol):

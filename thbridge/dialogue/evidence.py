@@ -164,7 +164,7 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
 
     Args:
         facts: the robot's facts.
-        `told`: accepted statements of the person, as beliefs; they also affect its decision.
+        `told`: accepted statements of the person, as beliefs; they also affect the robot's decision.
         rival: room to compare with the best room. If None, this is the room with the lowest cost.
     """
     case = _Case(facts.at, told)
@@ -256,7 +256,7 @@ def what(facts: WhatFacts, told: Beliefs | None = None) -> Evidence:
 
 
 def named(facts: WhatFacts) -> Literal:
-    """Return the literal that the treasure is named now, with the claimed name if there is a claimed name."""
+    """Return the literal "the treasure is named now". If a name is claimed, the literal contains this name."""
     return Literal(NamesTreasureAs(facts.room, facts.claimed) if facts.claimed else NamesTreasure(facts.room))
 
 
@@ -347,7 +347,7 @@ _SOURCES: Mapping[type[Proposition], Source] = {
     CostOfOther: Source.TOLD,
     UnderWay: Source.TOLD,
 }
-"""Source of each kind of evidence. Evidence of a kind that is not listed is computed by the robot."""
+"""Source of each kind of evidence. Evidence of a kind that is not listed is computed."""
 
 
 def _affordable(case: _Case, facts: WhereFacts, room: Room, level: Literal) -> tuple[Literal, ...]:

@@ -88,7 +88,7 @@ class PracticeCount:
 
     @property
     def data(self) -> dict[str, JsonValue]:
-        """Data of a `PRACTICE_PLAYED` event: amount of each action, and the requirements that are not met."""
+        """Data of a `PRACTICE_PLAYED` event: numbers of actions, simulated seconds, and unmet requirements."""
         return {**{str(term): round(number, 2) for term, number in self._done.items()}, "missing": [*self.missing]}
 
 

@@ -114,8 +114,8 @@ class RoomState(msgspec.Struct, frozen=True):
         sensed: properties of the treasure that robots sensed, or None.
         `told`: properties of the treasure that the participant reported.
         image: file name of the picture, or None if no picture was taken.
-        points: points for the participant's name of the treasure, or None before.
-        name: the participant's name of the treasure, or None before. Also None if only the points are known.
+        points: points for the participant's name of the treasure, or None before it is named.
+        name: the participant's name of the treasure. None before it is named, and if only the points are known.
         left: True if the participant has left the treasure undecided.
         finder: index of the robot that arrived in the room last, or None.
     """

@@ -178,7 +178,7 @@ def room_outlines(labels: Labels, floor: TraversabilityMap) -> list[Polygon]:
 
 
 def simple_outline(mask: Mask, taken: Mask, floor: TraversabilityMap) -> Polygon | None:
-    """Return an outline with few corners around the largest piece of a mask without taken cells, or None."""
+    """Return an outline with few corners around the largest piece of a mask that is not taken; None if all is taken."""
     grid = floor.grid
     apart = ~np.asarray(binary_dilation(taken, structure=_TOUCHING, iterations=GAP)) if taken.any() else ~taken
     piece = _largest(mask & ~taken)

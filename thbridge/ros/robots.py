@@ -1,8 +1,8 @@
 """Owner and purpose of topics and frames. They are guessed from names that robots commonly use.
 
 Names differ: Stage has `/robot_0/base_scan`, TurtleBot `/odom`, robot_localization `/odometry/filtered`, a camera
-`/camera/odom/sample`. The type of a message determines its purpose. The prefix of its frame is its robot. Without
-a prefix, its namespace is its robot, unless this is the name of a node.
+`/camera/odom/sample`. The type of a message determines its purpose. The prefix of its frame names
+its robot. Without a prefix, the namespace of its topic names its robot, unless this is the name of a node.
 """
 
 import re
@@ -13,7 +13,7 @@ from thbridge.ros.names import frame_name
 MAP_FRAMES = frozenset({"map", "world", "static_map"})
 """Last words of the frames of maps."""
 ODOM_FRAME = "odom"
-"""Start of the last word of odometry frames, such as odom and odom_combined."""
+"""Beginning of the last word in names of odometry frames, such as odom and odom_combined."""
 
 _OWN_TOPICS = frozenset(
     {

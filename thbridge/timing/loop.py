@@ -17,7 +17,7 @@ _TURN = 0.0005
 Python's default of 5 ms is a quarter of a tick.
 """
 _turns_before: list[float] = []
-"""Switch intervals before the running loops began, one per loop; the first entry is the original interval."""
+"""Python's switch interval before each running loop began. The first entry is the original interval."""
 
 
 @dataclass(frozen=True, slots=True)

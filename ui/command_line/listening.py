@@ -1,4 +1,4 @@
-"""Further addresses of a session, next to its text server: ROS graph, researchers' windows, ground stations."""
+"""Addresses of a session in addition to its text server: ROS graph, researchers' windows, ground stations."""
 
 from collections.abc import Sequence
 from importlib.util import find_spec

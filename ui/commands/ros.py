@@ -94,7 +94,10 @@ def _write_view(
     to: Path | None,
     use: str,
 ) -> None:
-    """Write a view of a study's team. `write` returns its text for the parameters of the robots and the map."""
+    """Write a configuration of rviz or Foxglove for a study's team.
+
+    `write` returns its text for the parameters of the robots and the map.
+    """
     from sim.common.robot_numbers import robot_numbers
     from thbridge.files.disk.whole import write_whole
     from ui.command_line.settings import map_of, study_of

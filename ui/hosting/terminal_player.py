@@ -52,7 +52,9 @@ from ui.model.playing.words import commander_in_words, outcome_of, verdict_words
 
 @dataclass(slots=True)
 class TerminalPlayer:
-    """Player who types. The player carries out agreed steps, and steps without a decision, without another question.
+    """Player for a person who types.
+
+    It carries out agreed steps, and steps that need no decision, without a further question.
 
     Attributes:
         show: function that prints a line.

@@ -159,7 +159,7 @@ class _WindowPlayer:
 
 
 class _ClockedRole:
-    """Role that is stepped by the wall clock. It informs the window when the server is reached."""
+    """Role whose steps follow the wall clock. It informs the window when the server is reached."""
 
     def __init__(self, role: TabUI, report: Callable[[ServerEvent], None]) -> None:
         self._role = role

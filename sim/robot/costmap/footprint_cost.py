@@ -74,7 +74,7 @@ def footprint_cost(costs: Costs, frame: CostFrame, footprint: FloatArray, x: flo
         x: pose of the base in the map, with `y` and `theta`; meters, radians.
 
     Returns:
-        FREE to INSCRIBED, or COLLIDES.
+        A cost from FREE to INSCRIBED, or COLLIDES.
     """
     # The corners are computed one by one, without the array of `in_cells`, because this runs for each pose of each
     # trajectory.

@@ -4,8 +4,8 @@ First every layer reports the windows that it has changed (the bounds). Then eve
 these windows. So an update of a costmap without changes takes no time, whatever its size.
 
 Source: ros-planning/navigation, costmap_2d/src/layered_costmap.cpp.
-Difference: separate changes are written separately, while ROS writes one rectangle around all of them. For ten robots
-in different places of a map, ten small windows are written.
+Difference from ROS: separate changes are written separately, while ROS writes one rectangle around all of them. For ten
+robots in different places of a map, ten small windows are written.
 """
 
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ class CostmapLayer(Protocol):
     """A source of costs. Windows are in cells of the static map, and may extend beyond the map.
 
     Attributes:
-        reach: distance, in cells, from another layer's change within which the costs of this layer may also change.
+        reach: distance in cells. Within this distance of a change in another layer, the costs of this layer may change.
     """
 
     reach: int
@@ -176,7 +176,7 @@ class LayeredCostmap:
         self._all_due = False
 
     def _around(self, changes: Sequence[Window]) -> tuple[Window, ...]:
-        """Return the windows to write if these windows have changed."""
+        """Return the windows that must be written again after changes in these windows."""
         apart = _apart(np.array(changes, np.int64).reshape(-1, 4), self._reach, np.array(self.window))
         return tuple(Window(*window) for window in apart.tolist())
 

@@ -91,7 +91,7 @@ def include(changed: NDArray[np.int64], row: int, col: int) -> None:
 
 @njit(cache=True)
 def fill_convex(costs: Costs, corners: FloatArray, cost: int) -> bool:
-    """Give this cost to all cells of a convex polygon, including its outline. Cells off the costmap are ignored.
+    """Give this cost to all cells of a convex polygon, including its outline. Cells outside the costmap are ignored.
 
     Args:
         costs: (rows, cols).

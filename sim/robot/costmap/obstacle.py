@@ -7,10 +7,10 @@ obstacle does not clear cells that another beam of the same scan marks. A mark r
 it. So the robot remembers obstacles that it does not see at present.
 
 Source: ros-planning/navigation, costmap_2d/plugins/obstacle_layer.cpp.
-Differences: with `explained_distance`, readings that the map or another robot explains do not mark. Otherwise every
-error of localization would thicken the walls, and every passing robot would leave a trail. `clear_between_beams` clears
-distant cells between two beams, which no beam would ever clear. A beam that hit nothing never marks. A scan marks
-immediately, while ROS keeps the last scan for the next update.
+Differences from ROS: with `explained_distance`, readings that the map or another robot explains do not mark. Otherwise
+every error of localization would thicken the walls, and every passing robot would leave a trail. `clear_between_beams`
+clears distant cells between two beams, which no beam would ever clear. A beam that hit nothing never marks. A scan
+marks immediately, while ROS keeps the last scan for the next update.
 """
 
 import copy
@@ -331,7 +331,7 @@ def _observe(
     footprint: FloatArray, x: float, y: float, theta: float,
     standing: NDArray[np.int64], changed: NDArray[np.int64],
 ) -> None:  # fmt: skip
-    """Process a scan. All arguments are plain, because passing tuples takes longer than clearing and marking.
+    """Process a scan. All arguments are numbers or arrays, because passing tuples takes longer than the rest.
 
     Args:
         marks: (rows, cols).

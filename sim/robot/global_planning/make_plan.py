@@ -1,8 +1,8 @@
 """Plan on request, to a goal or to a place near it within the caller's tolerance.
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp (planService).
-Differences: costs are not changed. One search finds all reachable places, while ROS plans to each place separately. The
-request also works while the robot drives.
+Differences from ROS: costs are not changed. One search finds all reachable places, while ROS plans to each place
+separately. The request also works while the robot drives.
 """
 
 import math
@@ -69,7 +69,7 @@ _SIGNS = np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
 
 
 def _square(ring: int) -> FloatArray:
-    """Return (k, 2) x and y, in steps, of points on a square `ring` steps around (0, 0), in ROS's order."""
+    """Return (k, 2) points on a square around (0, 0), in ROS's order. Half its side is `ring`; units are steps."""
     along = np.arange(ring + 1)
     sides = np.column_stack([np.full(ring, ring), along[:-1]])
     ends = np.column_stack([along, np.full(ring + 1, ring)])

@@ -3,14 +3,14 @@
 Space is a coarse grid. Each cell has a list of safe intervals: spans of time in which no other robot comes near. A
 state of the search is a cell and one of its safe intervals. Within an interval, a robot may wait as long as it needs.
 So a robot that arrives earlier can do everything that it could do after a later arrival, and only the earliest arrival
-in each state is needed. The number of states is that of a search in space alone, multiplied by the few intervals of a
-cell. A plain search in space and time would have a state for every second of waiting. A* expands states in the order of
+in each state is needed. A search in space alone has one state per cell. This search has a few states per cell, one per
+interval. A plain search in space and time would have a state for every second of waiting. A* expands states in the order of
 arrival time plus the remaining time without other robots. The goal is reached if the robot arrives in an interval that
 never ends, so that it may stay there.
 
 Source: Phillips, Likhachev, SIPP: Safe Interval Path Planning for Dynamic Environments (ICRA 2011).
-Difference: intervals begin and end at multiples of BIN_LENGTH seconds. The time after the last bin is safe if the last
-bin is safe.
+Difference from the source: intervals begin and end at multiples of BIN_LENGTH seconds. The time after the last bin is
+safe if the last bin is safe.
 """
 
 import heapq
@@ -104,7 +104,7 @@ def _shade(
     `count` rows of the traffic are in use. Return the new traffic and the new count.
 
     `present` is the distance of that robot from the planning robot's start (start_x, start_y), meters. At the start,
-    the required distance is at most this. Otherwise a robot that stands too close to another robot could never leave.
+    the required distance is at most `present`. Otherwise a robot that stands too close to another robot could never leave.
     """
     row_of, busy = traffic
     rows, cols = row_of.shape
@@ -450,7 +450,7 @@ def route(
     others: OtherItineraries,
     separation: float,
 ) -> Itinerary | None:
-    """Find the quickest itinerary to a goal that keeps clear of all other robots and may end with a permanent stay.
+    """Find the quickest itinerary to a goal, clear of all other robots. The robot may stay at its end forever.
 
     Args:
         roadmap: the coarse grid.
@@ -486,13 +486,13 @@ def refuge(
     others: OtherItineraries,
     separation: float,
 ) -> Itinerary | None:
-    """Find the quickest itinerary to a place off a path that another robot wants to drive.
+    """Find the quickest itinerary to a place outside the path that another robot wants to drive.
 
     Args:
         roadmap: see `route`.
         free: (rows, cols) True for cells that may be used.
         start: (2,) map point.
-        avoided: (m, 2) map points of this path.
+        avoided: (m, 2) map points of the other robot's path.
         time: start time of the itinerary.
         others: itineraries of the other robots.
         separation: minimum distance from center to center, and from the place to this path, meters.

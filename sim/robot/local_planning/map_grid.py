@@ -4,7 +4,7 @@ Grids are flat, with a border of closed cells around the costmap's cells. So ste
 limits.
 
 Source: ros-planning/navigation, base_local_planner/src/map_grid.cpp.
-Difference: the wave stops when all requested cells are reached. Their counts are the same.
+Difference from ROS: the wave stops when all requested cells are reached. Their counts are the same.
 """
 
 import math
@@ -96,7 +96,7 @@ def survey(costs: Costs, frame: CostFrame, x: float, y: float, own_radius: float
 def cells_along(costs: Costs, frame: CostFrame, path: FloatArray) -> Steps:
     """Return the flat indices of the cells along a line through (m, 2) map points.
 
-    Cells off the costmap are omitted. Successive cells are neighbors. A cell may occur several times.
+    Cells outside the costmap are omitted. Successive cells are neighbors. A cell may occur several times.
     """
     room = 1
     for i in range(1, path.shape[0]):

@@ -34,7 +34,7 @@ CANDIDATES_PER_PARTICLE = 20
 MIN_CANDIDATES = 50_000
 """Minimum number of candidates.
 
-With it, one candidate is close enough to the truth on a map of some hundred square meters.
+With this number of candidates, at least one is close enough to the true pose on a map of some hundred square meters.
 """
 MAX_CANDIDATES = 400_000
 """Maximum number of candidates."""
@@ -44,25 +44,29 @@ ROUGH_BEAMS = 15
 Most candidates fit so badly that a few beams show it.
 """
 ROUGH_SHARE = 0.1
-"""Share of the candidates for which all beams are used: the best in the first comparison, 10 x `FITTING_SHARE`."""
+"""Share of the candidates that are compared with all beams: the best candidates in the first comparison. It is 10 x
+`FITTING_SHARE`."""
 
 MOST_BESIDES = 2000
-"""Maximum number of particles in a search away from a given pose.
+"""Maximum number of particles in a search that excludes the surroundings of a given pose.
 
 It can be small because only the best particle matters.
 """
 CANDIDATES_BESIDES = 10_000
-"""Maximum number of candidates in such a search, except at its first scan."""
+"""Maximum number of candidates in such a search, except at the first scan of the search."""
 
 FITTING_SHARE = 0.01
-"""Share of the candidates that must stay effective when newcomers are drawn in proportion to a scan's likelihood."""
+"""Minimum effective number of candidates, as a share of the number of candidates.
+
+This applies when newcomers are drawn in proportion to a scan's likelihood.
+"""
 NEWCOMER_JITTER = (0.05, 0.05, 0.05)
 """Standard deviations of newcomers at the same place: meters, meters, radians."""
 
 NEARBY = (0.5, 0.5, 0.25)
 """Standard deviations of newcomers around a pose: meters, meters, radians."""
 NEARBY_SHARE = 0.2
-"""Share of a generation that is drawn around its own pose when scans fit it badly."""
+"""Share of a generation that is drawn around the hypothesis's own pose while scans fit this pose badly."""
 
 MOST_NEAR = 500
 """Maximum number of particles in a search around the present pose and the previous one."""
@@ -76,7 +80,10 @@ CONVERGED_DISTANCE = 0.5
 """Beams are skipped only if all particles are within this distance of the mean along either axis, meters (pf.c)."""
 
 EFFECTIVE_SHARE = 0.1
-"""Share of equally weighted particles that must stay effective after every scan, see `tempered`."""
+"""Minimum effective number of particles after every scan, as a share of the number of particles.
+
+This applies to particles that have equal weights before the scan; see `tempered`.
+"""
 
 JITTER = (0.01, 0.01, 0.01)
 """Standard deviations of copies of a particle: meters, meters, radians. While a robot turns in place, the odometry
@@ -404,7 +411,10 @@ class CloudFilter:
     def _fitting(
         self, count: int, candidates: FloatArray, share: float, view: ScanView, noise: CloudNoise
     ) -> FloatArray:
-        """Draw (count, 3) of the candidates, by likelihoods that are tempered to keep this share effective."""
+        """Draw (count, 3) of the candidates in proportion to their likelihoods.
+
+        The likelihoods are tempered so that this share of the candidates stays effective.
+        """
         fit = self._field.log_likelihood(candidates, view.points)
         offset = noise.resampling.uniforms(view.tick, 3)[2]
         chosen: FloatArray = candidates[systematic(tempered(fit, share), count, offset)]

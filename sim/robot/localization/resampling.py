@@ -49,7 +49,7 @@ def tempered(logs: FloatArray, share: float) -> FloatArray:
             the effective number `share` times n.
 
     Source: Probabilistic Robotics, section 6.3.4, on exponents below 1; Liu (1996) for the effective number.
-        Difference: the exponent is not fixed, but as low as the cloud requires.
+        Difference from the sources: the exponent is not fixed, but as low as the cloud requires.
     """
     logs = logs - logs.max()
     # The maximum logarithm becomes 0. So no exponential overflows, and at least one is not 0.
@@ -86,8 +86,8 @@ def sample_limit(bins: int, error: float, quantile: float, least: int, most: int
         most: upper bound of the result, and the result if `error` is 0.
 
     Source: Fox, Adapting the sample size in particle filters through KLD-sampling (2003), with the Wilson-Hilferty
-        approximation of the chi-square quantile. Bounds from pf.c. Difference: a single bin needs `least` particles.
-        amcl uses `most`, although the narrowest cloud needs the fewest particles.
+        approximation of the chi-square quantile. Bounds from pf.c. Difference from the sources: a single bin needs
+        `least` particles. amcl uses `most`, although the narrowest cloud needs the fewest particles.
     """
     if bins <= 1:
         return least
@@ -160,7 +160,8 @@ def adaptive(
     Returns:
         (m,) indices, ascending, least <= m <= most.
 
-    Difference: amcl draws particles one by one until there are enough, so it cannot use a draw with low variance.
+    Difference from ROS: amcl draws particles one by one until there are enough, so it cannot use a draw with low
+    variance.
     """
     count = least
     while True:

@@ -11,7 +11,7 @@ DOUBT_RATIO = 0.9
 so at a wrong place the ratio is lower."""
 
 FOUND_RATIO = 0.93
-"""Minimum ratio to the usual agreement at a pose for a lost robot to be found there."""
+"""Minimum ratio of the agreement at a pose to the usual agreement, for a lost robot to count as found there."""
 
 MOST_OF_ONE_SCAN = 0.25
 """Maximum effect of a single scan against the pose, because the scan itself may be misleading."""
@@ -61,10 +61,10 @@ class ScanAgreement:
             alpha_slow: decay rate of the long-term average.
             alpha_fast: decay rate of the short-term average. If both are 0, only the last scans count.
 
-        Source: Probabilistic Robotics, table 8.3, lines 10 and 11. Differences: amcl averages the mean unnormalized
-            weight. This weight decreases with the number of particles and with the number of scans since the last
-            resampling, so it hardly shows that a robot is lost. Agreement at the reported pose does not have this
-            problem. A scan that is explained as badly as at a wrong pose does not change the usual value.
+        Source: Probabilistic Robotics, table 8.3, lines 10 and 11. Differences from ROS: amcl averages the mean
+            unnormalized weight. This weight decreases with the number of particles and with the number of scans since
+            the last resampling, so it hardly shows that a robot is lost. Agreement at the reported pose does not have
+            this problem. A scan that is explained as badly as at a wrong pose does not change the usual value.
         """
         recent = self.recent + _MEMORY * (agreement - self.recent)
         lacking = max(-MOST_OF_ONE_SCAN, min(MIN_AGREEMENT - agreement, MOST_OF_ONE_SCAN))

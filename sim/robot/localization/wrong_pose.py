@@ -19,11 +19,11 @@ WRONG_TURN = 0.5
 """Angle to the true heading above which a pose is wrong, radians."""
 
 _LEAST_EXPLAINED = 0.9
-"""Share of a scan that the map explains from most right poses. Only a smaller share is evidence against a pose."""
+"""Share of a scan that the map usually explains at a right pose. Only a smaller share is evidence against a pose."""
 _MANY_UPDATES = 100
-"""Number of updates above which more updates make no difference."""
+"""If there are more updates than this, only this number of updates counts."""
 _SETTLED = 5
-"""Number of settled scans above which more scans make no difference."""
+"""If there are more settled scans than this, only this number of scans counts."""
 _USUAL_DEVIATIONS = (0.1, 0.05)
 """Usual standard deviations of a pose, meters and radians."""
 _WIDEST = 4.0
@@ -41,8 +41,8 @@ class ParticleEvidence(NamedTuple):
         unproven_updates: logarithm of the number of updates since an unproven pose was found, from 0.
         updates: logarithm of the number of updates of any pose.
         unexplained: share of the last scan that the map does not explain.
-        lately_unexplained: share that the map explains from most right poses, minus the share of the last scans that it
-            explains, but at least 0.
+        lately_unexplained: share that the map usually explains at a right pose, minus the share of the last scans that
+            it explains, but at least 0.
         below_usual: share by which the short-term average of the agreement is below the long-term average.
         misfit: see `ScanAgreement`.
         lead: see `ParticleBelief`.

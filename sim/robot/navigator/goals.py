@@ -9,7 +9,7 @@ from sim.robot.global_planning.path import PlanRefusalCode
 NoPathReason = (
     PlanRefusalCode | Literal["blocked_by_obstacle", "stuck", "lost"] | Literal["gave_up", "called_off", "unanswered"]
 )
-"""Cause for giving a goal up. The last three are for navigators of real robots: the navigator gave up for its own
+"""Cause of the failure of a goal. The last three are for navigators of real robots: the navigator gave up for its own
 reasons, another client withdrew the goal, or the navigator did not answer."""
 
 

@@ -160,7 +160,7 @@ class MessageRule(Protocol):
     """Rule that reads messages; a new object is created for each bag."""
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Return the function that receives each message of a connection; If None, the connection is skipped."""
+        """Return the function that receives each message of a connection. If None, the connection is skipped."""
         ...
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:

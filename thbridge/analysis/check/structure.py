@@ -25,7 +25,7 @@ def index_missing(bag: BagStructure) -> Iterator[Finding]:
 
 
 def index_wrong(bag: BagStructure) -> Iterator[Finding]:
-    """Find an index that does not match the chunks: readers miss messages or read wrong messages."""
+    """Find an index that does not match the chunks. With such an index, readers miss messages or read wrong messages."""
     if bag.header is None or not bag.index:
         return
     if (bag.header.connections, bag.header.chunks) != (bag.indexed_connections, len(bag.index)):
@@ -56,7 +56,7 @@ def unreadable_bytes(bag: BagStructure) -> Iterator[Finding]:
 
 
 def header_padding(bag: BagStructure) -> Iterator[Finding]:
-    """Find a first record whose length differs from ROS's: rosbag overwrites it and part of the first chunk."""
+    """Find bags whose first record has another length than in ROS. rosbag overwrites it and part of the first chunk."""
     if bag.header is not None and bag.header.length != HEADER_BYTES:
         problem = (
             f"the first record has {bag.header.length} bytes, but ROS 1 writes {HEADER_BYTES}: "

@@ -116,7 +116,7 @@ class TopicTables:
         self._rows.clear()
 
     def frames(self) -> Mapping[tuple[str, str], str]:
-        """Return the frame of each column's values, by table and column, for messages that have one."""
+        """Return the frame of each column's values, by table and column, for messages that have a frame."""
         return dict(self._top.frames({}))
 
 

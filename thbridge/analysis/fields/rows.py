@@ -276,7 +276,7 @@ class _Cuts:
 
 
 def _same_count(table: Octets, at: int) -> int:
-    """Return the length or number that all messages have at a column of the table."""
+    """Return the length or count at column `at` of the table; it must be the same in all messages."""
     counts = table[:, at : at + _COUNT.size]
     if at + _COUNT.size > table.shape[1] or (counts != counts[0]).any():
         raise _Unlike

@@ -110,7 +110,7 @@ class MessageBatches:
 
 
 def _block(rows: GatheredRows, index: int) -> NDArray[np.void]:
-    """Return the numbers of the part at an index, in the order of the part."""
+    """Return the numbers in the part `index` of these rows, as structures with the part's fields."""
     part = rows.record.parts[index]
     if not isinstance(part, FixedBlock):
         raise TypeError(f"part {index} of {rows.record.msgtype} is not a block of numbers")

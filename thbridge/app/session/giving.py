@@ -1,4 +1,4 @@
-"""Function that gives recorded inputs to a new session, through the methods that received them when recorded."""
+"""Function that passes recorded inputs to a new session, through the same methods as in the recorded session."""
 
 from collections.abc import Sequence
 

@@ -100,7 +100,7 @@ def c_supports(one: Argument, other: Argument) -> bool:
 def framework_of(
     arguments: Sequence[Argument], prefers: Preference = lambda _one, _other: False
 ) -> ArgumentationFramework:
-    """Return the framework of these arguments, each under its text, with the attacks that succeed.
+    """Return the framework of these arguments, with the attacks that succeed. Each argument is named by its text.
 
     An attack fails if the attacked argument is preferred to the attacker.
     """

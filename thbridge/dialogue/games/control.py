@@ -88,7 +88,7 @@ class Conversation:
         return play if play.end is not None and play.in_question is not None and goes_on else None
 
     def case(self, proposition: Proposition) -> DialogueCase:
-        """Return the case for a proposition, from the robot's opinion and the opinion that it attributes to the person."""
+        """Return the case for a proposition, from the robot's opinion and the opinion it attributes to the person."""
         robot = self.agents[Side.ROBOT]
         return case_of(robot.beliefs.stance(proposition), robot.picture.stance(proposition))
 

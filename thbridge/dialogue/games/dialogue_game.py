@@ -205,7 +205,7 @@ def say(
 
 
 def _follows(play: GamePlay, reply: Reply) -> DialogueMove | None:
-    """Return the acceptance of the claim that follows from accepting the last part of its support."""
+    """Return the acceptance of the claim, which follows when the last part of the claim's support is accepted."""
     if play.end is DialogueEnd.AGREEMENT and reply.slot is Slot.SUPPORT and play.claim is not None:
         return DialogueMove(reply.locution, play.claim)
     return None
@@ -238,10 +238,10 @@ def _contents(play: GamePlay, slot: Slot, agents: Agents) -> Iterable[Content]:
 
 
 def _cases_made(play: GamePlay, agents: Agents) -> list[tuple[Argument, tuple[Belief, ...]]]:
-    """Return the arguments for the claim that contain the offered support, each with its support that is missing.
+    """Return the arguments for the claim that contain the offered support, each with its missing beliefs.
 
-    Beliefs are missing if the listener is not taken to hold them; they can belong to the argument, or to arguments for
-    the parts of its conclusion. The claim itself, on which an observation rests, has already been stated.
+    Beliefs are missing if the listener is assumed not to hold them. They can belong to the argument, or to arguments
+    for the parts of its conclusion. The claim itself, on which an observation rests, has already been stated.
     """
     if play.claim is None or play.defender is None:
         return []

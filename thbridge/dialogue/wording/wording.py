@@ -27,8 +27,8 @@ _PICTURE = re.compile(r"image(\d+)")
 class Wording:
     """Words of a robot and a person in their dialogue.
 
-    Every move about propositions of the hunt has a sentence, and every line has a sentence. If there are several
-    wordings, `chance`, a random number in [0, 1), chooses one.
+    There is a sentence for every move about propositions of the hunt, and for every line in `LINES`. If there are
+    several wordings, `chance`, a random number in [0, 1), chooses one.
 
     Attributes:
         language: the language.
@@ -216,7 +216,7 @@ class _Clauses:
                 raise TypeError(f"{name}: {value!r} is no {kind}")
 
     def room_words(self, name: str, room: Room) -> dict[str, str]:
-        """Return the words for a room, with each preposition and without."""
+        """Return the words for a room, without a preposition and after each preposition."""
         return {name: self.room("", room)} | {f"{each}_{name}": self.room(each, room) for each in PREPOSITIONS}
 
     def room(self, preposition: str, room: Room) -> str:

@@ -47,7 +47,7 @@ def without(tree: Node, path: Sequence[str]) -> Node:
 
 
 def set_by_both(one: Node, other: Node) -> str | None:
-    """Return the path of a key that two trees set, or None. A section in both trees does not count by itself."""
+    """Return the path of a key that two trees set, or None. Of sections in both trees, only the keys inside count."""
     if not (isinstance(one, Section) and isinstance(other, Section)):
         return ""
     known = {key.text: child for key, child in one.entries}

@@ -1,7 +1,7 @@
 """Conventions between thbridge's vehicles and ground station that MAVLink's standard does not define."""
 
 COMMANDER = "COMMANDER"
-"""Name of the NAMED_VALUE_INT that contains the commander. The common messages of MAVLink have none for this."""
+"""Name of the NAMED_VALUE_INT that contains the commander. MAVLink's common messages have no field for it."""
 
 BY_PARTICIPANT, BY_OTHERS = 0, -1
 """Values of `COMMANDER` if no station commands the robot: the participant does, or a person outside the game, such as

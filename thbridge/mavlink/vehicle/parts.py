@@ -48,7 +48,10 @@ class MissionControl(Protocol):
         """Stop the mission and keep its current item. The caller must stop the robot."""
 
     def select(self, item: int) -> Denied | None:
-        """Make this item the next one. A running mission continues with it at once, another mission when it starts."""
+        """Make this item the next item.
+
+        A running mission continues with this item at once. Any other mission continues with it when it starts.
+        """
 
     def current(self) -> Message:
         """Return MISSION_CURRENT."""

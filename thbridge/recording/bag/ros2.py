@@ -63,7 +63,7 @@ def is_other_recording(path: Path) -> bool:
 
 
 def as_ros1(path: Path) -> Path:
-    """Return the path of a recording as a ROS 1 bag: `path` itself unless it is of ROS 2 or MCAP.
+    """Return the path of this recording as a ROS 1 bag. Convert recordings of ROS 2 and MCAP files; return other paths.
 
     Raises:
         BadFile: the recording cannot be read or converted.

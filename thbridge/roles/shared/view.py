@@ -72,7 +72,7 @@ class RoomView:
         sensed: properties of the treasure that robots sensed, by name. None before the first sensing.
         `told`: properties of the treasure that the participant entered.
         picture: file name of the picture, or None before it was taken.
-        verdict: result of naming the treasure, or None before.
+        verdict: result of naming the treasure, or None before it is named.
         left: True if the participant has left the treasure undecided.
     """
 
@@ -291,7 +291,7 @@ class View(NoticeValue, frozen=True, tag="View"):
         return robot.costs or self.costs[robot.place]
 
     def costs_when_stopped(self) -> tuple[float | None, ...] | None:
-        """Return the energy of moves of a robot that is stopped during a move.
+        """Return the energy of a robot's next moves if the robot is stopped during its present move.
 
         Return None if this energy depends on the robot's position.
         """

@@ -92,7 +92,7 @@ class RemotePose:
             self._suspect = self._suspect[0] + more_ns, self._suspect[1]
 
     def is_silent(self, now_ns: int) -> bool:
-        """Return True if there was odometry before, but not for a long time."""
+        """Return True if odometry arrived earlier, but none has arrived for a long time."""
         return self.received_ns is not None and now_ns - self.received_ns > self._stale_ns
 
     def receive_odometry(self, message: OdometryMessage, now_ns: int) -> InvalidMessage | None:

@@ -40,7 +40,7 @@ class PoseReport:
 
 @dataclass(frozen=True, slots=True)
 class PoseQuery:
-    """Question for a robot's pose."""
+    """Request for a robot's pose."""
 
     robot: int
 

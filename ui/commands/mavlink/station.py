@@ -39,7 +39,7 @@ _PROGRESS_SECONDS = 2.0
 
 
 def setting_of_recording(bag: Path, study_file: Path | None, changes: list[str], beside: Path) -> StudySetting:
-    """Return the study of a recording, or another study."""
+    """Return the study in a recording or, if a study file is given, the study in that file."""
     if study_file is not None:
         if changes:
             fail(

@@ -13,7 +13,7 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, print_jso
 
 
 class _TalkGroup(CommandGroup):
-    """Commands of `talk`, which can also run without a command."""
+    """Commands of `talk`. `talk` can also run without a command."""
 
     paths = paths_of({"ui.commands.talk.talk:talk_": "check words"})
 

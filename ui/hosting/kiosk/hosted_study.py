@@ -97,5 +97,5 @@ class HostedStudy:
         return None
 
     def _other_in(self, reason: str, participant: str) -> str | None:
-        """Return another participant whose id is in a reason, because the reason is kept if they withdraw."""
+        """Return another participant whose id is in a reason. The reason is kept even if that person withdraws."""
         return next((other for other in self.progress.runs if other in reason and other != participant), None)

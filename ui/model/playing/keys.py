@@ -54,7 +54,7 @@ SETTINGS_KEYS = "Ctrl+,"
 
 @dataclass(frozen=True, slots=True)
 class KeyBinding:
-    """Keys of one act.
+    """Keys that carry out one act.
 
     Attributes:
         keys: names of the keys; the first key is printed on the button.

@@ -59,7 +59,8 @@ class ExperimentDraft(StudyDraft):
     def add_key(self, group: FormGroup, name: str) -> str | RequestRefused:
         """Return the text with one more key of a study file.
 
-        If the key is a factor, the levels are all choices of the key. If it has no choices, its default is the level.
+        If the key is a factor, the levels are all choices of the key. If the key has no choices, its
+        default is the only level.
         """
         field = study_fields().get(name)
         value = "null" if field is None else field.default

@@ -45,7 +45,7 @@ class PreviewPlace:
 
 
 NOWHERE = PreviewPlace(Room(4), "Kitchen", 13.0)
-"""Room for a preview without a map."""
+"""Room, name and cost that a preview without a map shows."""
 
 
 def place_on(arena: Map) -> PreviewPlace:

@@ -39,7 +39,7 @@ class HistoryView(QPlainTextEdit):
         return QSize(px(300), px(160))
 
     def height_over(self, height: int) -> int:
-        """Return the height of the view on a map of this height, logical pixels."""
+        """Return the height of the history over a map of this height, logical pixels."""
         return max(self.minimumHeight(), min(self.maximumHeight(), height // 3))
 
     def show_history(self, history: tuple[HistoryLine, ...]) -> None:

@@ -17,7 +17,7 @@ MAX_PANEL_WIDTH = 620
 """Greatest width of a panel in the middle of the map, `px`."""
 
 Corner = tuple[bool, bool]
-"""Corner of the map, given by two flags: True for right, and True for bottom."""
+"""Corner of the map, as two flags: the first is True on the right side, the second is True at the bottom."""
 
 _CORNERS: tuple[Corner, ...] = ((True, True), (True, False), (False, True), (False, False))
 
@@ -173,7 +173,9 @@ class MapArea(QWidget):
         return self.rect().adjusted(GAP, GAP, -GAP, -GAP - below)
 
     def _best_corner(self, size: QSize, space: QRect) -> Corner:
-        """Return the corner in which a pop-up hides the least of its subject; of equal corners, the farthest corner.
+        """Return the corner in which a pop-up hides the smallest part of its subject.
+
+        If several corners are equal, return the corner that is farthest from the subject.
 
         If the map follows the robot, return the corner of the map that is farthest from the robot, because the view can
         move to the free side.

@@ -468,7 +468,7 @@ class ParticipantWindow(QWidget):
     def _divide(self) -> None:
         """Give the column next to the map three tenths of the width.
 
-        If the words need more width, the column gets more, but less than half.
+        If the words need more width, the column gets more, but less than half of the width.
         """
         wide = min(max(px(336), int(self.width() * 0.3)), px(480))
         self.column.setFixedWidth(min(wide, int(self.width() * 0.45)))

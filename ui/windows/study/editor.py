@@ -16,7 +16,7 @@ from ui.windows.editing.background import BackgroundWorker
 _TYPING = 120
 """Milliseconds without typing after which the text is checked."""
 _SETTLING = 150
-"""Milliseconds without a change after which a file that another program writes counts as complete."""
+"""Time in milliseconds. A file of another program counts as complete if it has not changed for this time."""
 
 TextChange = Callable[[StudyDraft], str | RequestRefused]
 _Taken = Callable[[StudyDraft, UndoHistory], UndoHistory | RequestRefused]

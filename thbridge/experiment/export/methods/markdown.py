@@ -48,7 +48,7 @@ def listed(answers: Iterable[str]) -> str:
 
 
 def sentence(text: str, gap: str) -> str:
-    """Return the researcher's text as a sentence with a final period. If the text is empty, return the gap."""
+    """Return the researcher's text as a sentence with a final period. If the text is empty, return [`gap`]."""
     said = text.strip()
     if not said:
         return f"[{gap}]"

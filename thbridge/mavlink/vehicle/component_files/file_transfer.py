@@ -6,9 +6,9 @@ Differences:
 * A session belongs to the station that opened it, so that stations cannot close or read each other's sessions. The
   station chooses the number of its session, because MAVProxy identifies its transfers by this number, and MAVSDK
   accepts no other number.
-* A station may choose the number of an open session, because a request to close a session may be lost. It gets this
-  number if the open file was read to its end, is the same file, or is idle. Otherwise the answer is that no session is
-  free.
+* A station may choose the number of an open session, because a request to close a session may be lost. The
+  station gets this number if the open file was read to its end, is the requested file, or was not read for some time.
+  Otherwise the answer is that no session is free.
 * Requests to all vehicles at once are ignored. A file belongs to one vehicle, and bursts of all vehicles would flood
   the link.
 * The last piece of a file ends its burst, and no EOF follows. If MAVSDK missed the last piece, it would treat an EOF as
@@ -282,7 +282,7 @@ class FileTransfer:
         return _NO_SESSION if client.sessions.pop(number, None) is None else b""
 
     def _listed(self, request: _Request) -> bytes | _Refused:
-        """List as many files as fit, starting at the requested offset."""
+        """List files from the requested offset on, up to the maximum size of an answer."""
         if request.path not in _ROOTS:
             return _NOT_FOUND
         entries = [f"F{name}\t{len(content)}\0".encode() for name, content in self._files().items()]

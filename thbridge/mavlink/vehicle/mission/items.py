@@ -212,5 +212,5 @@ def _scale(command: int, frame: int) -> float:
 
 
 def _number(value: float) -> float:
-    """Replace any NaN by the same object. Python's tuples treat the same object as equal, so items can be compared."""
+    """Replace any NaN by one shared object. Tuples treat an object as equal to itself, so items can be compared."""
     return math.nan if math.isnan(value) else value

@@ -102,7 +102,7 @@ class ControlInputs(Microservice):
     def _stick(self, sender: Station, message: mav.MAVLink_manual_control_message) -> None:
         """Drive by MANUAL_CONTROL: x is forward. r is the turn. If there is no r, y is the turn.
 
-        Positive values turn right, because all ground stations send them so, although the standard's text on r differs.
+        Positive values turn right. All ground stations send such values, although the standard describes r differently.
         """
         forward = message.x
         turn = message.y if message.r == _NO_AXIS else message.r

@@ -1,7 +1,8 @@
-"""Parameters of the vehicle itself: system id and failsafe, with ArduPilot's names. Its robot's parameters follow.
+"""Parameters of the vehicle itself: system id and failsafe, with ArduPilot's names. The robot's parameters follow.
 
 Source: ArduPilot's parameter list of Rover: SYSID_THISMAV, FS_GCS_TIMEOUT, FS_ACTION.
-Differences: FS_ACTION has only the three values in `ACTIONS`, and 0 means to continue. There is no FS_GCS_ENABLE.
+Differences from the source: FS_ACTION has only the three values in `ACTIONS`, and 0 means to continue. There is no
+FS_GCS_ENABLE.
 """
 
 from collections.abc import Mapping, Sequence

@@ -88,7 +88,7 @@ class BagDisk:
         self._writing.submit(self._parts.sync if growing is None else lambda: self._parts.preview(growing))
 
     def keep_up(self) -> None:
-        """Wait for the disk if a session runs at full speed. In real time, too few bytes are pending to wait."""
+        """Wait for the disk if a session runs at full speed. In real time, it does not wait: few bytes are pending."""
         self._writing.wait(WAITING_BYTES, BEHIND_SECONDS)
 
     def finish(self) -> bool:

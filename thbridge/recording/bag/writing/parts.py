@@ -90,7 +90,7 @@ class SplitBagWriter:
         self._syncing.submit(lambda: self._settle(file))
 
     def salvage(self) -> None:
-        """Complete the open files after an error, in this thread. Raises OSError; this may be called again."""
+        """Complete the open files after an error, in this thread. If this raises OSError, it may be called again."""
         for file in tuple(self._open):
             file.finish()
             self._settle(file)

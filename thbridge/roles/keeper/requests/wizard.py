@@ -1,6 +1,6 @@
 """Wizard-of-Oz: a person speaks and advises for robots, and the participant does not know this.
 
-The turns that wait for the wizard are a state. Each change of this state is recorded. A released robot makes its
+The list of turns that wait for the wizard is recorded at each change. A released robot makes its
 pending turns at once, by its own strategy.
 """
 

@@ -135,7 +135,7 @@ def _marker(
     line: FloatArray,
     text: str,
 ) -> bytes:
-    """Encode visualization_msgs/Marker without an end of its display.
+    """Encode visualization_msgs/Marker that is displayed without a time limit.
 
     Args:
         tick: time stamp.

@@ -184,7 +184,10 @@ class HuntMemory:
         return None if is_open else words
 
     def note_reading(self) -> None:
-        """Record the ended dialogue or the verdict in the pop-up shown. A previously shown one counts as read."""
+        """Record the ended dialogue or the verdict in the pop-up shown.
+
+        A dialogue or verdict that was shown before counts as read.
+        """
         shown = self.popups.shown
         words = self.unread_words(shown.robot) if isinstance(shown, DestinationItem) else None
         number = None if words is None else words.dialogue

@@ -110,7 +110,7 @@ class TitledPanel(QFrame):
         self._title.setFont(font("body", bold=True))
 
     def room_beside(self, width: int, space: QSize) -> int:
-        """Return the width that remains next to a part of this width, logical pixels, also with a scroll bar."""
+        """Return the width that remains next to a part of this width, even with a scroll bar, logical pixels."""
         inside = min(self.usual_size().width(), space.width()) - self.edges().width()
         return inside - self._scrolling.verticalScrollBar().sizeHint().width() - width - self.rows.spacing()
 
@@ -222,7 +222,7 @@ class SpeechBubble(QWidget):
             self.update()
 
     def sizeHint(self) -> QSize:
-        """Return the size with lines of a readable length."""
+        """Return a size that gives lines a readable length."""
         return QSize(px(320), self.heightForWidth(px(320)))
 
     def minimumSizeHint(self) -> QSize:

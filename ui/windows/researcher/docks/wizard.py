@@ -170,7 +170,7 @@ class WizardDock(QWidget):
 
 
 class _SteadyArea(QScrollArea):
-    """Scroll area whose height does not depend on waiting turns, so that they never move the map.
+    """Scroll area with a height that does not depend on waiting turns, so new turns never move the map.
 
     Attributes:
         steady: False if the contents never change. The area then has the height of its contents.
