@@ -194,8 +194,8 @@ def fail(state: GameState, robot: int, reason: str, share_done: float, at: Room 
         reason: reason for people, such as "cancelled" or the navigator's sentence.
         share_done: driven share of the path, clipped to [0, 1]. The other share of the price is refunded.
         at: present room of the robot. If None, it is the start of the move for a robot that has not moved, and
-            otherwise the corridor. A robot in an unvisited room counts as in the corridor, too. Otherwise it could not
-            be sent to this room again.
+            otherwise the corridor. A robot in an unvisited room also counts as a robot in the corridor. Otherwise it
+            could not be sent to this room again.
     """
     if not state.has_robot(robot):
         return _no_robot(state, robot)
@@ -333,7 +333,7 @@ def identify(state: GameState, room: Room, name: str, reported: int | None = Non
     The paying robot is in the room, or has found the treasure and was sent to another room by a ground station.
 
     Lost points are rounded to the nearest whole number (half away from zero), because the text protocol has only whole
-    points. Difference: the Hider of 2016 also accepted a longer name that contains the right name.
+    points. Difference from 2016: the Hider of 2016 also accepted a longer name that contains the right name.
 
     Args:
         state: the game.

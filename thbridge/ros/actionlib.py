@@ -7,10 +7,12 @@ the program that moves the robot and the program that records may each have a se
 
 Source: actionlib, action_server.py, simple_action_server.py and server_goal_handle.py; ros-planning/navigation,
 move_base.cpp.
-Differences: there are no threads. In each tick, all requests are read before the newest goal is accepted. A goal of the
-game is active with any time stamp, because the navigator has accepted it. A simple goal (a pose without an id) gets its
-id before it is published, so that its result can be found. While a robot is dead, its server is dead, too. Active goals
-end when the robot is revived. The number of ended goals in the list is limited, even if clients set very many goals.
+Differences from ROS: there are no threads. In each tick, all requests are read before the newest goal is accepted. A
+goal of the game is active whatever its time stamp is, because the navigator has accepted it. A simple goal (a pose
+without an id) gets its id before it is published, so that its result can be found. While a robot is dead, its server is
+dead, too.
+Active goals end when the robot is revived. The number of ended goals in the list is limited, even if clients set very
+many goals.
 """
 
 from collections.abc import Iterable

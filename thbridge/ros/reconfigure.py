@@ -5,8 +5,8 @@ In ROS, each node, costmap, layer and planner with live parameters is a server w
 
 Source: ros/dynamic_reconfigure, server.h, config_tools.h and encoding.py; its messages Config and ConfigDescription.
 
-Differences: all levels are 0, because no part has to be restarted. `restore_defaults` is missing. A parameter that
-accepts only certain words is an enum, although ROS accepts any text.
+Differences from ROS: all levels are 0, because no part has to be restarted. `restore_defaults` is missing. A parameter
+that accepts only certain words is an enum, although ROS accepts any text.
 """
 
 import json

@@ -7,8 +7,8 @@ columns within reach, is the squared distance.
 
 Source: ros-planning/navigation, costmap_2d/plugins/inflation_layer.cpp and include/costmap_2d/inflation_layer.h;
 Felzenszwalb, Huttenlocher, Distance Transforms of Sampled Functions (2012), for columns first and then rows.
-Difference: distances are exact, from cell center to cell center. ROS propagates the nearest obstacle from cell to cell,
-and sometimes misses a nearer obstacle.
+Difference from ROS: distances are exact, from cell center to cell center. ROS propagates the nearest obstacle from cell
+to cell, and sometimes misses a nearer obstacle.
 """
 
 import math
@@ -43,7 +43,7 @@ def cost_at(distance: float, inscribed_radius: float, cost_scaling_factor: float
 
 @njit(cache=True)
 def _columns_away(costs: Costs, row: int, row_end: int, left: int, right: int, reach: int) -> NDArray[np.float32]:
-    """Return (row_end - row, right - left) squared distances of cells to the nearest lethal one in their columns."""
+    """Return (row_end - row, right - left) squared distances of cells to the nearest lethal cell in their columns."""
     away = np.empty((row_end - row, right - left), np.float32)
     last = np.full(right - left, np.float32(1e4))
     # Number of rows since the last lethal cell. It is 1e4 if there is none, because its square is beyond any reach.

@@ -1,7 +1,7 @@
 """Costmap made of layers, updated in two passes over the changed parts.
 
 First every layer reports the windows that it has changed (the bounds). Then every layer in turn writes its costs into
-these windows. So an update of a costmap without changes takes no time, whatever its size.
+these windows. So an update of a costmap without changes takes no time, even if the costmap is large.
 
 Source: ros-planning/navigation, costmap_2d/src/layered_costmap.cpp.
 Difference from ROS: separate changes are written separately, while ROS writes one rectangle around all of them. For ten

@@ -2,11 +2,11 @@
 
 Source: ros-planning/navigation, global_planner/src (dijkstra.cpp, astar.cpp, quadratic_calculator.cpp,
 gradient_path.cpp, grid_path.cpp, orientation_filter.cpp).
-Differences: the wave begins in the cells around the robot, with their distances from the robot. Costs that overflow a
-byte in ROS are limited to the maximum of a byte. `default_tolerance` has an effect, while ROS reads it but does not use
-it. Cells around the goal that the wave has not reached are filled only if they can be crossed, so that no path ends
-behind a wall. The interpolation of ForwardThenInterpolate starts at the beginning of the last straight stretch, as
-intended. See also `wave` and `potential_planner`.
+Differences from ROS: the wave begins in the cells around the robot, with their distances from the robot. Costs that
+overflow a byte in ROS are limited to the maximum of a byte. `default_tolerance` has an effect, while ROS reads it but
+does not use it. Cells around the goal that the wave has not reached are filled only if they can be crossed, so that no
+path ends behind a wall. The interpolation of ForwardThenInterpolate starts at the beginning of the last straight
+stretch, as intended. See also `wave` and `potential_planner`.
 """
 
 import heapq

@@ -1,7 +1,7 @@
 """navfn: a potential that spreads like a wave, by Dijkstra or A*, and the path down its slope.
 
 Source: ros-planning/navigation, navfn/src/navfn.cpp and navfn_ros.cpp. Potentials are the same, bit for bit.
-Difference: poses face along the path, while ROS sets only the last heading. See also `wave` and
+Difference from ROS: poses face along the path, while ROS sets only the last heading. See also `wave` and
 `potential_planner`.
 """
 

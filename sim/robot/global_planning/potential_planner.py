@@ -1,9 +1,10 @@
 """Global planner that spreads a potential from the robot, and follows the potential's slope down from the goal.
 
 Source: ros-planning/navigation, navfn/src/navfn_ros.cpp, global_planner/src/planner_core.cpp.
-Differences: a start in a lethal cell is refused, while ROS clears the cell. A path to a goal that can be reached ends
-exactly there even with a tolerance, while navfn ends at a point of a raster around the goal. Positions refer to the
-cells' centers, while navfn's paths are shifted by half a cell toward the origin. The costmap is not changed.
+Differences from ROS: a start in a lethal cell is refused, while ROS clears the cell. A path to a goal that can be
+reached ends exactly there even with a tolerance, while navfn ends at a point of a raster around the goal. Positions
+refer to the cells' centers, while navfn's paths are shifted by half a cell toward the origin. The costmap is not
+changed.
 """
 
 import math
@@ -21,7 +22,7 @@ from sim.robot.global_planning.path import OUTERMOST, Path, PathSearch, PlanRefu
 from sim.robot.global_planning.wave import BLOCKED, UNREACHED, CellCosts, Points, Potential, Workspace, prepare
 
 MAX_CELLS = 1e9
-"""Distance from a map's corner beyond which positions are not distinguished, cells."""
+"""Positions at a greater distance from a map's corner are not distinguished, cells."""
 PORTION = 300_000
 """Approximate number of cells that a search visits in a tick. This is twice the number for a wave over 26 m x 14 m, and
 about six milliseconds of work. It is a number of cells and not a time, so that plans are the same on every machine."""
@@ -122,7 +123,7 @@ class PotentialPlanner:
             goal: pose at the end.
 
         Yields:
-            After every portion of work except the last.
+            None, after every portion of work except the last portion.
 
         Returns:
             The path, or the reason why none exists.

@@ -4,7 +4,7 @@ The potential of a cell is the cost of the cheapest path to it from the start of
 start, so going downhill finds a path from any cell (a navigation function). The wave is Dijkstra's algorithm with two
 changes. First, the potential of a cell is that of a plane wave between its two lowest neighbors, instead of one
 neighbor plus a step. So paths are not restricted to rows, columns and diagonals (Konolige's gradient method). Second,
-three unsorted queues replace a sorted one. They contain the cells of this round, the cells of the next round, and cells
+three unsorted queues replace a sorted queue. They contain the cells of this round, the cells of the next round, and cells
 that are postponed because they cost more than a threshold. The threshold rises when the first two queues are empty. So
 a cell may be visited before its potential is final. It is queued again when a neighbor can lower its potential.
 
@@ -16,9 +16,10 @@ not depend on the portions, because they end between two rounds.
 
 Source: ros-planning/navigation, navfn/src/navfn.cpp; global_planner/src/dijkstra.cpp and gradient_path.cpp; Konolige,
 A Gradient Method for Realtime Robot Control (IROS 2000).
-Differences: the numbers of waiting cells, cycles and path points are not limited. At its limits, ROS gives up or drops
-cells. A path never passes between two blocked cells that meet at a corner. If the slope does not lead down, the path
-goes from cell to cell until the potential is lower than at all earlier cells. So a path is found whenever one exists.
+Differences from ROS: the numbers of waiting cells, cycles and path points are not limited. At its limits, ROS gives up
+or drops cells. A path never passes between two blocked cells that meet at a corner. If the slope does not lead down,
+the path goes from cell to cell until the potential is lower than at all earlier cells. So a path is found whenever one
+exists.
 """
 
 from collections import deque
@@ -320,7 +321,7 @@ def _mixed(a: np.float32, b: np.float32, share: np.float32) -> np.float32:
 
 @njit(cache=True)
 def _lowest_beside(potential: Potential, cell: int, cols: int) -> tuple[int, bool]:
-    """Return the lowest of a cell and its eight neighbors, and True if the wave reached all of them.
+    """Return the cell with the lowest potential among a cell and its neighbors, and True if the wave reached all.
 
     A diagonal neighbor does not count if the wave reached neither of the two cells on both sides of the diagonal.
     """

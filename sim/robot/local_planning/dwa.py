@@ -10,8 +10,8 @@ at the first command that passes (`rollout.best_safe_command`).
 Source: ros-planning/navigation, dwa_local_planner/src/dwa_planner.cpp; base_local_planner/src/
 simple_trajectory_generator.cpp, simple_scored_sampling_planner.cpp and the cost functions; Fox, Burgard, Thrun, The
 Dynamic Window Approach to Collision Avoidance (1997).
-Differences: those of `trajectory_rollout`, and another. In ROS, a standing robot prefers turning in place wherever
-obstacle costs exceed progress. Here it does not (see `STALL_TIMEOUT` in `local_planner`).
+Differences from ROS: those of `trajectory_rollout`, and another. In ROS, a standing robot prefers turning in place
+wherever obstacle costs exceed progress. Here it does not (see `STALL_TIMEOUT` in `local_planner`).
 """
 
 import math

@@ -19,7 +19,7 @@ from sim.numerics.kernels import njit
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
 
 Steps = NDArray[np.int32]
-"""Number of steps, each to a cell that shares a side. Negative if unreachable or not requested."""
+"""Number of steps between cells that share a side. Negative if a cell is unreachable or was not requested."""
 
 OPEN = -1
 CLOSED = -2

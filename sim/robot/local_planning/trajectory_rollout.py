@@ -2,10 +2,10 @@
 
 Source: ros-planning/navigation, base_local_planner/src/trajectory_planner.cpp and trajectory_planner_ros.cpp; Gerkey,
 Konolige, Planning and Control in Unstructured Terrain (2008).
-Differences: a robot that faces away from its path first turns in place. Obstacle costs are read under the robot's
-center. The outline is only checked for collisions. Only the scored pose of a trajectory must have a path to the goal. A
-command must also be safe (`braking`). The velocity is reduced near a point that the robot must not pass yet. With a
-`min_vel_x` above 0, turns in place are tried only if no other command makes progress, and only to a heading with
+Differences from ROS: a robot that faces away from its path first turns in place. Obstacle costs are read under the
+robot's center. The outline is only checked for collisions. Only the scored pose of a trajectory must have a path to the
+goal. A command must also be safe (`braking`). The velocity is reduced near a point that the robot must not pass yet.
+With a `min_vel_x` above 0, turns in place are tried only if no other command makes progress, and only to a heading with
 progress.
 """
 
@@ -63,7 +63,9 @@ class _Weights(NamedTuple):
     """Weights for the score of a trajectory.
 
     Attributes:
-        path: weight per cell off the path. `goal` is that per remaining cell, `obstacles` that per unit of cost.
+        path: weight per cell off the path.
+        goal: weight per cell that remains to the goal.
+        obstacles: weight per unit of cost.
         heading_time: time along a trajectory at which its heading is scored, seconds. If negative, its end is scored.
         straight: True if the score uses the squared straight distance to the goal.
     """

@@ -32,14 +32,14 @@ from sim.robot.localization.wrong_pose import ParticleEvidence, probability
 from sim.robot.localization.wrong_pose_coefficients import PARTICLES
 
 SETTLED_SCANS = 5
-"""Number of scans with a narrow cloud after which a robot is found. They count while nearly all particles agree on one
+"""A robot is found after this number of scans with a narrow cloud. Scans count while nearly all particles agree on one
 pose that fits the map."""
 
 SEARCH_SHARE = 0.2
 """Share of the particles that are drawn from the whole map at each resampling during a search."""
 
 RETRY_TICKS = 25
-"""Ticks after which the next scan is weighed even if the robot stands still.
+"""After this number of ticks, the next scan is weighed even if the robot stands still.
 
 This applies to a lost robot, and to a robot with scans that fit badly.
 """
@@ -54,7 +54,7 @@ CHALLENGED = 0.15
 WON = 1.0
 """Lead at which a rival replaces the tracked pose. A rival needs at least four scans to reach it."""
 DOUBT = 0.5
-"""Lead of the best other pose at the end of a search, or after a rival has replaced the pose. The robot is lost until
+"""Lead that the best other pose gets at the end of a search, or when a rival replaces the pose. The robot is lost until
 scans have reduced this lead to 0. This takes two scans that fit the other pose much worse, or seventeen scans that fit
 both poses equally, because the two places look alike."""
 PROVEN_SCANS = 100
@@ -190,7 +190,7 @@ class Amcl:
     def configure(self, parameters: RobotParameters) -> None:
         """Continue with these parameters. If they require a smaller cloud, it shrinks at the next resampling.
 
-        Difference: amcl draws new particles around the pose that it last reported.
+        Difference from ROS: amcl draws new particles around the pose that it last reported.
         """
         if parameters.amcl != self._parameters:
             self._use(parameters.amcl)
@@ -277,7 +277,7 @@ class Amcl:
     def _seeks_rival(self, belief: ParticleBelief, place: Hypothesis) -> bool:
         """Return True if a search has a result, or if scans are suspicious.
 
-        A result may only look like the right place.
+        A search may have found a place that only looks like the right place.
         """
         if belief.anywhere:
             return place.settled >= SETTLED_SCANS
@@ -285,7 +285,7 @@ class Amcl:
 
 
 def evidence_of(now: ParticleBelief) -> ParticleEvidence:
-    """Collect the features after an update that distinguish right poses from wrong ones."""
+    """After an update, collect the features that distinguish right poses from wrong poses."""
     return ParticleEvidence.of(
         now.place, now.lead, lost=now.lost, anywhere=now.anywhere, proven=now.proven, rival=now.rival is not None
     )

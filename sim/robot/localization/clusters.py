@@ -3,7 +3,8 @@
 The bins have the size of amcl's: 0.5 m by 0.5 m by 10 degrees. Their number measures the spread of the cloud (KLD
 sampling). They also separate hypotheses: bins that touch, even if only at a corner, belong to one cluster.
 
-Source: pf_kdtree.c. Difference: the bins at -180 and +180 degrees touch, while amcl splits a cloud that faces west.
+Source: pf_kdtree.c. Difference from ROS: the bins at -180 and +180 degrees touch, while amcl splits a cloud that faces
+west.
 """
 
 import math
@@ -195,8 +196,8 @@ def summarise(particles: FloatArray, weights: FloatArray, bins: ParticleBins) ->
         weights: (n,) not all 0.
         bins: the bins of these particles.
 
-    Source: pf_cluster_stats. Differences: the covariance is about the reported pose (in amcl, about the mean of all
-        clusters). It includes the correlations of heading and position, which are 0 in amcl.
+    Source: pf_cluster_stats. Differences from ROS: the covariance is about the reported pose (in amcl, about the mean
+        of all clusters). It includes the correlations of heading and position, which are 0 in amcl.
     """
     x, y, theta, covariance, weight, variances = _summarise(particles, weights, bins.of_particle, cluster_bins(bins))
     return CloudSummary(Pose2(x, y, theta), covariance, weight, variances)

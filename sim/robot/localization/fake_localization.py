@@ -33,7 +33,7 @@ class FakeLocalization:
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Do nothing, because the true pose needs no start.
 
-        Difference: fake_localization moves its map frame so that the received pose becomes the true pose.
+        Difference from ROS: fake_localization moves its map frame so that the received pose becomes the true pose.
         """
 
     def globalize(self) -> None:

@@ -178,7 +178,7 @@ class Beams:
     def of(cls, mount: LaserMount, max_beams: int, max_range: float, min_range: float = -1.0) -> "Beams":
         """Select at most `max_beams` beams (at least two). A negative limit is replaced by the laser's own.
 
-        Difference: at most the requested number is selected, while amcl's integer step selects up to one more.
+        Difference from ROS: at most the requested number is selected, while amcl's integer step selects up to one more.
         """
         count = max(2, min(max_beams, mount.beams))
         indices = np.arange(count) * (mount.beams - 1) // (count - 1)
@@ -247,7 +247,8 @@ class LikelihoodField:
             max_dist: cap of the distances, and distance of everything outside the map, meters.
 
         Source: Probabilistic Robotics, table 6.3, without its constant factor (as amcl).
-        Difference: distances are to surfaces that face the beam. In the table and in amcl, they are to occupied cells.
+        Difference from the source: distances are to surfaces that face the beam. In the table and in amcl, they are to
+        occupied cells.
         """
         noise = z_hit, z_rand / beams.range_max, sigma_hit
         values, level = _table(grid, max_dist, *noise)
@@ -265,7 +266,7 @@ class LikelihoodField:
         Returns:
             (n,) sums over the beams, or 0 without points.
 
-        Source: Probabilistic Robotics, table 6.3. Difference: ROS 1 amcl adds cubes, `1 + sum(p^3)`.
+        Source: Probabilistic Robotics, table 6.3. Difference from the source: ROS 1 amcl adds cubes, `1 + sum(p^3)`.
         """
         return _sum_over_points(self.values, self.level, self.frame, self.outside, self.laser, particles, points)
 

@@ -20,7 +20,7 @@ _SYSTEMATIC = 0.1
 """Assumed systematic error of the wheels, as a share of every motion.
 
 amcl's models diff and omni use the sums of alphas as standard deviations: 8 mm for a step of 20 cm. Wheels that report
-5 % too much then move the cloud ahead of the truth by 1 cm per step. This is faster than scans can pull it back.
+5 % too much then move the cloud ahead of the truth by 1 cm per step. Scans cannot pull the cloud back this fast.
 """
 
 
@@ -109,7 +109,7 @@ def _turning(angle: float) -> float:
 
 
 def diff_spread(moved: DiffIncrement, alphas: Alphas, corrected: bool) -> DiffSpread:
-    """Return the standard deviations of the true motion from the measured motion.
+    """Return the standard deviations of the true motion, given the measured motion.
 
     Args:
         moved: the measured motion.
@@ -235,7 +235,7 @@ class MotionModel:
     ) -> FloatArray:
         """Return (n, 3) particles after a motion from one odometry pose to another. `noise` are (3 n,) normals.
 
-        Difference: the assumed error of distances and turns is at least a tenth of them, see `_SYSTEMATIC`.
+        Difference from ROS: the assumed error of distances and turns is at least a tenth of them, see `_SYSTEMATIC`.
         """
         corrected = self.name.endswith("-corrected")
         # Alphas of 0 mean perfect wheels, without a systematic error.

@@ -16,7 +16,7 @@ FOUND_RATIO = 0.93
 MOST_OF_ONE_SCAN = 0.25
 """Maximum effect of a single scan against the pose, because the scan itself may be misleading."""
 MISFIT_OF_A_LOST_ROBOT = 1.0
-"""Limit of a sum above which the pose cannot be right. Each scan adds the difference between the minimum agreement and
+"""Limit of a sum. If the sum reaches the limit, the pose cannot be right. Each scan adds the difference between the minimum agreement and
 its own agreement. Four scans that do not fit at all reach the limit, or ten scans with three fifths explained by the
 map. Scans above the minimum reduce the sum.
 

@@ -223,8 +223,8 @@ class ScanMatcher:
             than three points, because they do not determine a pose.
 
         Source: Kohlbrecher et al., A flexible and scalable SLAM system (2011), section IV: Gauss-Newton on an
-            interpolated grid. Differences: this minimizes squared distances to surfaces, with small weights for
-            outliers. The last step uses the surfaces that beams meet, see `surface_matching`.
+            interpolated grid. Differences from the source: this minimizes squared distances to surfaces, with small
+            weights for outliers. The last step uses the surfaces that beams meet, see `surface_matching`.
         """
         if len(points) < 3:
             return None

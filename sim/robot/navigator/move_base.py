@@ -9,11 +9,11 @@ PROGRESS_TIMEOUT seconds. So every goal ends in bounded time. `navigator.states`
 all transitions.
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp.
-Differences: plans and commands are made in the tick when they are due, without threads. Only the search for a path on a
-large map takes several ticks, with a part of the map in each. Robots take turns in planning. If the map alone has no
-path to a goal, the goal is given up without recovery. While a robot waits for its right of way, it does not count as
-oscillating, and the time of controller_patience does not run. A robot that drives in one place for STAY_TIMEOUT seconds
-tries a recovery behavior even with `oscillation_timeout: 0`.
+Differences from ROS: plans and commands are made in the tick when they are due, without threads. Only the search for a
+path on a large map takes several ticks, with a part of the map in each. Robots take turns in planning. If the map alone
+has no path to a goal, the goal is given up without recovery. While a robot waits for its right of way, it does not
+count as oscillating, and the time of controller_patience does not run. A robot that drives in one place for
+STAY_TIMEOUT seconds tries a recovery behavior even with `oscillation_timeout: 0`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -273,7 +273,7 @@ class Navigator:
     def _team(self) -> int:
         """Ticks between two turns to plan.
 
-        They are equal for all robots that broadcast, so no two plan simultaneously.
+        They are equal for all robots that broadcast, so no two robots plan simultaneously.
         """
         return 1 + max(self._robot, self._stale.highest_robot)
 

@@ -2,8 +2,8 @@
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp (loadDefaultRecoveryBehaviors, executeCycle),
 clear_costmap_recovery, rotate_recovery.
-Difference: the list starts again only after the robot has come nearer to its goal, while in ROS it starts again as soon
-as a plan exists. In ROS, a robot between two closed doors would drive back and forth forever.
+Difference from ROS: the list starts again only after the robot has come nearer to its goal, while in ROS it starts
+again as soon as a plan exists. In ROS, a robot between two closed doors would drive back and forth forever.
 """
 
 import math

@@ -1,7 +1,7 @@
 """The states of move_base, and the transitions between them.
 
 Source: ros-planning/navigation, move_base/include/move_base/move_base.h (MoveBaseState).
-Differences: a robot without a goal is in state Idle, and a robot that is not localized is in state Lost.
+Differences from ROS: a robot without a goal is in state Idle, and a robot that is not localized is in state Lost.
 """
 
 from dataclasses import dataclass

@@ -1,8 +1,8 @@
 """Map projection: a plane tangent to the WGS84 ellipsoid at the map's origin, with its y axis north.
 
 Source: WGS 84 (NGA.STND.0036), semi-axes; the radii of curvature of an ellipsoid.
-Differences: the plane is flat, so points 1 km from the origin have an error of some centimeters. Maps are smaller than
-1 km.
+Differences from the source: the plane is flat, so points 1 km from the origin have an error of some centimeters. Maps
+are smaller than 1 km.
 """
 
 import math

@@ -2,8 +2,8 @@
 
 Source: the format of MAVProxy's and QGroundControl's `.tlog` files.
 
-Differences: the times are not real times, but the time stamps of the bag next to the log. So tools show dates of
-January 1970.
+Difference from the source: the log contains the time stamps of the bag next to it instead of real times. So tools show
+dates of January 1970.
 """
 
 import struct

@@ -2,9 +2,9 @@
 
 Source: actionlib, simple_action_client.py and comm_state_machine.py, for the order of the server's messages;
 move_base.cpp, for the texts of its results.
-Differences: there is one goal at a time. The state of a goal is read from results and from status lists. A result is
-sent only once and may be lost when the network breaks, but status lists are repeated. A goal that the server does not
-list is sent a second time, because the server may have been restarted. Our goals that are no longer wanted are
+Differences from ROS: there is one goal at a time. The state of a goal is read from results and from status lists. A
+result is sent only once and may be lost when the network breaks, but status lists are repeated. A goal that the server
+does not list is sent a second time, because the server may have been restarted. Our goals that are no longer wanted are
 cancelled until the server ends them. These include goals of an earlier run.
 """
 
@@ -18,7 +18,7 @@ from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalSta
 from thbridge.ros.remote.pose import STALE_NS
 
 UNLISTED_TIMEOUT_NS = 2_000_000_000
-"""Time for which the server's status lists do not contain a goal before the goal counts as unknown to the server."""
+"""A goal counts as unknown to the server if the server's status lists do not contain it for this time."""
 CANCEL_TIMEOUT_NS = 5_000_000_000
 """Maximum time between the cancel request for a goal and the end of the goal at the server."""
 LOST_TIMEOUT_NS = 10_000_000_000

@@ -6,8 +6,8 @@ make a node raise or wait.
 Source: https://wiki.ros.org/ROS/Technical%20Overview, Master_API, Slave_API, TCPROS; rospy for further behavior that
 ROS's tools rely on.
 
-Differences: a node registers again with a restarted master, unlike nodes of rospy and roscpp. UDPROS is not supported.
-Small messages are always sent at once (TCP_NODELAY), even if the subscriber does not request it.
+Differences from ROS: a node registers again with a restarted master, unlike nodes of rospy and roscpp. UDPROS is not
+supported. Small messages are always sent at once (TCP_NODELAY), even if the subscriber does not request it.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ def rosout_node(master_uri: str, host: str, admission: Admission = OWN_MACHINE) 
 
     Source: ROS's rosout/rosout.cpp.
 
-    Differences: it writes no file, and has no log of its own.
+    Differences from ROS: it writes no file, and has no log of its own.
 
     Args:
         master_uri: URI of the master.

@@ -2,7 +2,7 @@
 
 Source: ROS's rosmaster/validators.py, with the same order of checks and the same texts.
 
-Differences: the length of names, types and URIs is limited.
+Differences from ROS: the length of names, types and URIs is limited.
 """
 
 from __future__ import annotations

@@ -5,9 +5,9 @@ It stores the registrations of publishers, subscribers and services, and the par
 Source: http://wiki.ros.org/ROS/Master_API and ROS/Parameter_Server_API; ROS's rosmaster/master_api.py for status codes,
 texts and the order of checks.
 
-Differences: the number of nodes and registrations, the length of names and the size of all parameters have limits.
-Above a limit, the reply to a call is an error. A node that replies to a parameter update with an error loses its
-subscription, as rosmaster intends. Caller ids are treated as global names.
+Differences from ROS: the number of nodes and registrations, the length of names and the size of all parameters have
+limits. Above a limit, the reply to a call is an error. A node that replies to a parameter update with an error loses
+its subscription, as rosmaster intends. Caller ids are treated as global names.
 """
 
 from __future__ import annotations

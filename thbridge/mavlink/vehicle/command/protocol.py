@@ -4,10 +4,10 @@ The vehicle answers each command by one COMMAND_ACK to its sender. For a long co
 with IN_PROGRESS.
 
 Source: the MAVLink developer guide, "Command Protocol".
-Differences: a station that repeats a completed command does not always increase `confirmation` (MAVSDK never does). So,
-for commands that have a new effect at each execution, an equal command within a second also counts as a repetition.
-Commands that any station may send are executed at each repetition. Otherwise a stop could be mistaken for a repetition
-of an earlier stop.
+Differences from the source: a station that repeats a completed command does not always increase `confirmation` (MAVSDK
+never does). So, for commands that have a new effect at each execution, an equal command within a second also counts as
+a repetition. Commands that any station may send are executed at each repetition. Otherwise a stop could be mistaken for
+a repetition of an earlier stop.
 """
 
 import math

@@ -1,8 +1,9 @@
 """Command table: the MAVLink commands of a vehicle, with allowed messages, allowed stations and execution.
 
 Source: MAVLink's `common.xml`, MAV_CMD.
-Differences: MISSION_START with zeros continues with the current item, as in ArduPilot, and not with item 0. The reason
-is that ground stations also send it to continue. To restart a mission, set item 0 as the current item.
+Differences from the source: MISSION_START with zeros continues with the current item, as in ArduPilot, and not with
+item 0. The reason is that ground stations also send it to continue. To restart a mission, set item 0 as the current
+item.
 """
 
 import math
@@ -37,7 +38,7 @@ _FORCED = frozenset({21196, 2989})
 
 _REPOSITION_CHANGES_MODE = 1
 _LARGEST_ID = 0xFFFF
-"""Maximum number of a mission item."""
+"""Highest possible number of a mission item."""
 
 
 class CommandTable:

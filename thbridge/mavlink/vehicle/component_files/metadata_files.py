@@ -2,9 +2,9 @@
 
 Source: the MAVLink developer guide, "Component Metadata Protocol"; the schemas in `component_metadata` of MAVLink's
 repository.
-Differences: files are not compressed. Compressed bytes depend on the library, but a replay must send the same bytes on
-any machine. The parameter file has version 1, although a newer version exists, because QGroundControl reads only
-version 1.
+Differences from the source: files are not compressed. Compressed bytes depend on the library, but a replay must send
+the same bytes on any machine. The parameter file has version 1, although a newer version exists, because QGroundControl
+reads only version 1.
 """
 
 import json

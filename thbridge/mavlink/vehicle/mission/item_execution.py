@@ -1,8 +1,8 @@
 """Execution of mission items, one at a time, through the vehicle interface.
 
 Source: the MAVLink developer guide, "Mission Protocol", and the descriptions in MAV_CMD.
-Differences: a robot reaches a waypoint only by arriving at it, not by passing within the acceptance radius. The reason
-is that a point in a room is a move of the game, and ends at the goal pose of that room.
+Differences from the source: a robot reaches a waypoint only by arriving at it, not by passing within the acceptance
+radius. The reason is that a point in a room is a move of the game, and ends at the goal pose of that room.
 """
 
 import math

@@ -1,8 +1,8 @@
 """Mission protocol without sockets and clocks: uploads to a robot. The module `downloads` handles downloads.
 
 Source: the MAVLink developer guide, "Mission Protocol".
-Differences: a station may send a part of the list, as in ArduPilot, but the plan changes only after the complete part
-has arrived.
+Differences from the source: a station may send a part of the list, as in ArduPilot, but the plan changes only after the
+complete part has arrived.
 """
 
 from collections.abc import Iterator
@@ -26,7 +26,7 @@ ITEM_TIMEOUT = -(-TICKS_PER_SECOND // 4)
 """Ticks until the next request for a missing item: 250 ms."""
 
 RETRIES = 5
-"""Number of repeated requests for an item after which the transfer is aborted."""
+"""The transfer is aborted after this number of repeated requests for an item."""
 
 TRIES_OF_NEW_FORM = 4
 """Number of requests for the first item as MISSION_ITEM_INT. Later requests are for MISSION_ITEM."""

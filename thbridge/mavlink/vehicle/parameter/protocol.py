@@ -1,7 +1,8 @@
 """Parameter protocol, by which stations read and set a robot's numeric parameters. It has no sockets and clocks.
 
 Source: the MAVLink developer guide, "Parameter Protocol" and "Extended Parameter Protocol".
-Differences: the answer to a request for an unknown parameter is PARAM_ERROR, which is newer than most of the guide.
+Differences from the source: the answer to a request for an unknown parameter is PARAM_ERROR, which is newer than most
+of the guide.
 """
 
 import math

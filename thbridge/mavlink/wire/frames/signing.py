@@ -2,10 +2,10 @@
 
 Source: the MAVLink developer guide, "Message Signing".
 
-Differences: no unsigned frame is accepted. Other programs accept RADIO_STATUS, which radios send without a key. Here
-there is no radio between robots and stations. If such a frame were forwarded with our signature, it would seem to come
-from the key's owner. Keys from the network (SETUP_SIGNING) are never accepted. Timestamps in the last months of the
-48-bit range are refused, because no later frame could have a newer timestamp.
+Differences from the source: no unsigned frame is accepted. Other programs accept RADIO_STATUS, which radios send
+without a key. Here there is no radio between robots and stations. If such a frame were forwarded with our signature, it
+would seem to come from the key's owner. Keys from the network (SETUP_SIGNING) are never accepted. Timestamps in the
+last months of the 48-bit range are refused, because no later frame could have a newer timestamp.
 """
 
 import hashlib
