@@ -51,7 +51,7 @@ def unpack_polygons(polygons: Polygons) -> list[FloatArray]:
 NO_POLYGONS = pack_polygons([])
 
 Clearance = NDArray[np.uint8]
-"""(rows, cols): king's moves (as in chess) from each cell to the nearest occupied one, 0 to 255."""
+"""(rows, cols): number of king's moves (as in chess) from each cell to the nearest occupied cell, 0 to 255."""
 
 _CLEARANCE_LIMIT = 255
 
@@ -120,7 +120,7 @@ def _near_point(x: float, y: float, polygon: FloatArray, margin: float) -> bool:
 
 @njit(cache=True)
 def side(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> float:
-    """Return a positive number if the point is to the left of a-b, a negative one if to the right."""
+    """Return a positive number if the point is to the left of a-b, a negative number if it is to the right."""
     return (bx - ax) * (y - ay) - (by - ay) * (x - ax)
 
 
@@ -162,7 +162,7 @@ def placed_at(footprint: FloatArray, x: float, y: float, theta: float) -> FloatA
 
 @njit(cache=True)
 def near_wall(corners: FloatArray, clearance: Clearance, frame: GridFrame, margin: float) -> bool:
-    """Return True if a body overlaps an occupied cell or comes within `margin` meters of one."""
+    """Return True if a body overlaps an occupied cell or comes within `margin` meters of an occupied cell."""
     body = np.empty_like(corners)  # in cells: columns, rows
     left, right, bottom, top = np.inf, -np.inf, np.inf, -np.inf
     for k in range(corners.shape[0]):

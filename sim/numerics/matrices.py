@@ -1,7 +1,7 @@
 """Algebra of small matrices, with sums in a fixed order.
 
-The libraries behind numpy's `@` and `numpy.linalg` choose kernels by the processor, and with them the order of sums. So
-the last bits of a result differ between machines.
+The libraries behind numpy's `@` and `numpy.linalg` choose their kernels for the processor. Kernels differ in the order
+of sums, so the last bits of a result differ between machines.
 
 Source: Golub, Van Loan, Matrix Computations, 4th ed. (2013), sections 3.4 (elimination with partial pivoting) and 4.2
 (Cholesky's factor of a semidefinite matrix).

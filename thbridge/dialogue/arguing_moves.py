@@ -37,7 +37,7 @@ IN_BRIEF = "-in-brief"
 """Suffix of the names of games in which arguments are given as a whole."""
 SIDES: Mapping[Speaker, Side] = {Speaker.ROBOT: Side.ROBOT, Speaker.PERSON: Side.HUMAN}
 ASKED = frozenset({Scenario.DONT_KNOW, Scenario.UNSURE_NAME})
-"""Decisions on which the person has no opinion and asks the robot."""
+"""Decisions for which the person has no opinion. The person asks the robot for advice."""
 MOST_CHOICES = 5
 """Largest number of choices that a person has at once."""
 
@@ -137,7 +137,7 @@ class PossibleMoves:
     def question_of_refusal(self, dialogue: Dialogue, side: Side) -> Opening | None:
         """Return the question that a side may ask after its reason was refused; None if there is no question.
 
-        No side questions the other side's wishes. A persistent robot asks about things that it does not know yet.
+        No side asks about a wish of the other side. A persistent robot asks about things that it does not know yet.
         """
         conversation = dialogue.conversation
         refused = None if conversation is None else conversation.refused

@@ -47,7 +47,7 @@ from thbridge.hunt.team_tour import PlanValue
 
 @dataclass(frozen=True, slots=True)
 class WhereFacts:
-    """Facts of a robot about where to go next.
+    """Facts of a robot about its possible next rooms.
 
     Attributes:
         robot: index in the team, from 0.
@@ -93,7 +93,7 @@ class WhereFacts:
 
 @dataclass(frozen=True, slots=True)
 class Misfit:
-    """Property of a treasure that a name does not fit; its values are parts of sentences.
+    """Property of a treasure that contradicts a name of the treasure. The values are parts of sentences.
 
     Attributes:
         found: the value found.

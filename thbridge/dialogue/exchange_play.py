@@ -47,9 +47,9 @@ def acts(
     """Return all possible acts of a side: moves in the present dialogue, openings of dialogues, and questions.
 
     Args:
-        exchange: dialogues are about its topics and their parts.
+        exchange: the exchange. Dialogues are about its topics, and about parts of these topics.
         conversation: the present conversation.
-        side: the side whose turn it is. Between dialogues, either side.
+        side: the side whose turn it is. Between dialogues, it may be either side.
         game: the only game that may be opened. If None, the nine cases determine the games.
     """
     number = turn[0] if (turn := turn_in(conversation)) is not None else None

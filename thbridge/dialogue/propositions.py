@@ -82,7 +82,7 @@ class RoomSequence(HuntProposition):
 
     @property
     def parts(self) -> tuple[Literal, ...]:
-        """The position of each room; the opposite denies each of them (Sklar and Azhar 2015)."""
+        """The position of each room. The opposite of a tour denies each position (Sklar and Azhar 2015)."""
         return tuple(Literal(VisitOrder(place, room)) for place, room in enumerate(self.rooms, start=1))
 
 
@@ -252,7 +252,7 @@ class DearerPlan(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class ShorterPlan(HuntProposition):
-    """Choosing `room` over `instead` lets the team reach `rooms` fewer rooms."""
+    """If `room` is chosen instead of `instead`, the team can reach `rooms` fewer rooms."""
 
     predicate: ClassVar[str] = "shorter_plan"
     room: Room
@@ -317,7 +317,7 @@ class NoWay(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class InTheWay(HuntProposition):
-    """Something that is not on the map is in the way to a room, such as a closed door or a fire."""
+    """Something that is not on the map blocks the path to a room, for example a closed door or a fire."""
 
     predicate: ClassVar[str] = "in_the_way"
     room: Room
@@ -411,7 +411,7 @@ class CouldBe(HuntProposition):
     names: tuple[str, ...]
 
     def excludes(self, other: Proposition) -> bool:
-        """Return True for other names, or a single name, of the same treasure."""
+        """Return True if `other` gives the same treasure other names, or only one name."""
         return isinstance(other, CouldBe | Settled) and self.room == other.room and self != other
 
 
@@ -424,7 +424,7 @@ class Settled(HuntProposition):
     name: str
 
     def excludes(self, other: Proposition) -> bool:
-        """Return True for another name, or several names, of the same treasure."""
+        """Return True if `other` gives the same treasure another name, or several names."""
         return isinstance(other, CouldBe | Settled) and self.room == other.room and self != other
 
 

@@ -206,7 +206,7 @@ class TreasureSensed(_Event, frozen=True, tag="sensed"):
 
 
 class PropertyMeasured(_Event, frozen=True, tag="measured"):
-    """A robot sensed a further property of the treasure in a room, for this energy."""
+    """A robot sensed a further property of the treasure in a room, and paid this energy."""
 
     room: Room
     robot: int

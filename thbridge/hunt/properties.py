@@ -63,7 +63,7 @@ class TreasureProperty:
 
     @property
     def is_measured(self) -> bool:
-        """True if a robot senses the property on request, for energy."""
+        """True if a robot senses the property on request. This costs energy."""
         return self.told_by is Teller.ROBOT and self.cost > 0.0
 
     def shown(self, value: str) -> str:

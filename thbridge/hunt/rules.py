@@ -261,7 +261,7 @@ def sense(state: GameState, room: Room, reported: Properties | None = None) -> R
 
 
 def measure(state: GameState, room: Room, name: str) -> Ruling:
-    """Sense a further property of a found treasure, for energy. A repeated request gives no event."""
+    """Sense a further property of a found treasure. This costs energy. A repeated request gives no event."""
     robot = _standing_robot(state, room)
     if isinstance(robot, RequestRefused):
         return robot

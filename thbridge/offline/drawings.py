@@ -65,7 +65,7 @@ class BlockedPaths:
 
     Attributes:
         reached: share of the floor that robots can reach with these lines.
-        thinner: width of the blocking lines is below this number, pixels.
+        thinner: the blocking lines are thinner than this number of pixels.
         places: places where lines block paths, map frame. Places between the largest pieces of floor come first.
     """
 

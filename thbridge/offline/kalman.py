@@ -10,7 +10,7 @@ from sim.robot.localization.estimate import Estimate
 class RecordedKalman(KalmanLocalizer):
     """Kalman filter with an update for each examined scan, even if the filter rejects the scan.
 
-    The particle filter does the same. Without these updates, a lost robot would have none.
+    The particle filter does the same. Without these updates, there would be no updates of a lost robot.
     """
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:

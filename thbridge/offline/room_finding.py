@@ -36,21 +36,21 @@ SPECK = 0.5
 FURNITURE = 2.5
 """Maximum extent of isolated things on the floor that are ignored, meters. But thin things count as walls."""
 SLENDER = 0.3
-"""Ratio of width to length below which a thing is a piece of wall."""
+"""A thing is a piece of wall if its ratio of width to length is below this."""
 LEVEL = 0.05
 """Step of the clearance threshold, meters. The step is at least half a cell."""
 PASSAGE = 0.3
-"""Clearance above which floor is a passage instead of a corner of a room, meters."""
+"""Floor with more clearance than this is a passage, and not the corner of a room, meters."""
 CORNER = 1.5
 """Maximum distance of a room's floor from drivable places, as a multiple of the radius of the robot's inner circle."""
 WIDEST_DOOR = 10.0
 """Maximum width of an opening that separates rooms, meters."""
 SHED = 3.0
-"""Area above which a corridor that splits off from a single room is detected, square meters."""
+"""Minimum area of a corridor that is detected if it splits off from a single room, square meters."""
 TINY = 1.0
-"""Area below which floor is too small for a corridor, square meters."""
+"""Minimum area of a corridor, square meters."""
 LONG = 3.2
-"""Threshold of (length / width) * (number of doorways - 1), above which floor is a corridor."""
+"""Floor is a corridor if (length / width) * (number of doorways - 1) is above this."""
 OPEN = 0.35
 """Maximum share of openings in the border of a room. Floor with a larger share is no room."""
 
@@ -352,7 +352,7 @@ def _with_alcoves(places: Labels, cores: int, resolution: float) -> Labels:
 
 
 def _borders(places: Labels) -> NDArray[np.int64]:
-    """Return (n + 1, n + 1) numbers of cell sides between each two places. Place 0 has all cells without floor."""
+    """Return (n + 1, n + 1) numbers of cell sides that two places share. Place 0 has all cells without floor."""
     size = int(places.max()) + 1
     padded = np.pad(places, 1).astype(np.int64)
     sides = np.zeros((size, size), dtype=np.int64)

@@ -26,7 +26,7 @@ def with_unmapped(grid: OccupancyGrid, unmapped: OccupancyGrid, path: Path) -> t
         path: file of the obstacles, for errors.
 
     Returns:
-        The true map, and the number of occupied cells of the other map outside it. These cells are ignored.
+        The true map, and the number of ignored cells: occupied cells of the other map that are outside the true map.
 
     Raises:
         BadFile: the maps have different rotations, no cell is occupied, or all occupied cells are outside the map.
@@ -61,7 +61,7 @@ IntArray = NDArray[np.int64]
 def _overlapped(
     indices: IntArray, corner: float, side: float, resolution: float, count: int
 ) -> tuple[IntArray, IntArray]:
-    """Return the first cell of the map that cells overlap along one axis, and the cell after the last such cell."""
+    """For each cell, return the first map cell that it overlaps along one axis, and the map cell after the last."""
     first = np.floor((corner + indices * side) / resolution + _SLIVER)
     last = np.ceil((corner + (indices + 1) * side) / resolution - _SLIVER)
     return np.clip(first, 0, count).astype(np.int64), np.clip(last, 0, count).astype(np.int64)

@@ -45,7 +45,7 @@ class Hider:
 
     It chooses the treasures of every game randomly, from its seed and the game's number. The keeper receives and stores
     the treasures, so a restarted Hider does not need to restore its state. The keeper answers all questions, and Hider
-    sends the answers. Without a keeper (at the server of another program), Hider answers itself, as in 2016.
+    sends the answers. Without a keeper (at the server of another program), Hider itself answers, as in 2016.
 
     Args:
         kinds: kinds of treasures, with their pictures.

@@ -40,7 +40,7 @@ RETURN_NS = 1_000_000_000
 LEAST_MESSAGES = 3
 """Minimum number of consecutive messages after a jump. If there are fewer, the jump is an outlier."""
 AT_ORIGIN = 0.5
-"""Maximum distance from 0, in meters and radians, at which odometry after a jump counts as reset."""
+"""Maximum distance from 0 of odometry that counts as reset after a jump, meters and radians."""
 MISSED = ((0.05, 0.03), (1.0, 0.5))
 """Minimum and maximum standard deviations, in meters and radians, of the unseen motion during a reset."""
 
@@ -353,7 +353,7 @@ class _Judge:
         return piece.begin
 
     def _return(self, number: int, last: int) -> int:
-        """Return the number of the piece that soon returns to the last valid sample. Without one, return `number`."""
+        """Return the first piece that soon returns to the last valid sample, as a number; otherwise return `number`."""
         for later in range(number + 1, len(self._pieces)):
             begin = self._pieces[later].begin
             if self._seconds(last, begin) * 1e9 > RETURN_NS:

@@ -41,7 +41,7 @@ _DRIVES_AHEAD: Mapping[str, Tree] = {
     "TrajectoryPlannerROS": {"holonomic_robot": False},
     "DWAPlannerROS": {"max_vel_y": 0.0, "min_vel_y": 0.0, "vy_samples": 1},
 }
-"""Parameters for ROS's planners which mean that a robot cannot drive sideways. The defaults mean that it can."""
+"""With these parameters, ROS's planners assume that a robot cannot drive sideways. By their defaults, it can."""
 _LOWEST = -1.0
 """Minimum height of used laser readings, meters above the base. It is negative, because rounding must not exclude the
 plane of the floor."""
@@ -160,7 +160,7 @@ def leaves(key: str, value: object) -> Iterator[tuple[str, object]]:
 
 
 def has(software: RobotParameters, path: str) -> bool:
-    """Return True if a path is that of a parameter. Return False if it is that of a section, or does not exist."""
+    """Return True if a path leads to a parameter. Return False if it leads to a section or does not exist."""
     section: object = software
     for name in path.split("."):
         if not dataclasses.is_dataclass(section) or name not in {field.name for field in dataclasses.fields(section)}:

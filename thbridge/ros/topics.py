@@ -79,7 +79,7 @@ TEAM_TOPICS = (
     ROSOUT,
     DIAGNOSTICS,
 )
-"""Topics that are not of a single robot."""
+"""Topics that do not belong to a single robot."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -49,7 +49,7 @@ class SingleKey:
 
 
 class RingKeys:
-    """Keys of a key ring. See `KeyVerifier`. Changes of the ring have an effect at once.
+    """Keys of a key ring. See `KeyVerifier`. Changes of the key ring take effect at once.
 
     If the ring cannot be read, no client is admitted.
 

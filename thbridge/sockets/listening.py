@@ -1,10 +1,11 @@
 """Listening sockets of a session's servers. They never use up the file descriptors that the session needs to record.
 
 A process has a limited number of descriptors (RLIMIT_NOFILE). Connections from outside must not use up the last
-descriptors, because the session must be able to open its next journal or bag. So all servers of a process stay below a
-common mark. The system gives a new connection the lowest free number. If that number is not below
-the mark, all descriptors below the mark are in use, and the connection is closed at once. If there are few descriptors
-below the mark, each server gets a share of them. So a flood of connections at one server does not block the others.
+descriptors, because the session must be able to open its next journal or bag. So all servers of a process use
+only descriptors with numbers below a common limit. The system gives a new connection the lowest free number. If that
+number is not below the limit, all descriptors below the limit are in use, and the connection is closed at once. If
+there are few descriptors below the limit, each server gets a share of them. So a flood of connections at one server
+does not block the others.
 """
 
 from __future__ import annotations

@@ -210,9 +210,9 @@ def follow_text(widget: W, fit: Callable[[W], object]) -> W:
 def usual_growth(screen: QSize) -> float:
     """Return the factor by which text is larger than 10.5 points on a screen by default, 1 to 1.5.
 
-    The excess of a screen is the share by which its width or height exceeds 1200 x 800 logical pixels; the smaller
-    share counts. Text grows by half of the excess: by 0 % on a small screen, about 17 % on 1920 x 1080, and 40 % on
-    2560 x 1440.
+    The excess of a screen is the share by which its width exceeds 1200 logical pixels, or by which its height exceeds
+    800 logical pixels; the smaller share counts. Text grows by half of the excess: by 0 % on a small screen, about 17 %
+    on 1920 x 1080, and 40 % on 2560 x 1440.
     """
     beyond = min(screen.width() / _USUAL_WINDOW.width(), screen.height() / _USUAL_WINDOW.height()) - 1.0
     return min(max(1.0 + beyond / 2.0, 1.0), 1.5)

@@ -26,7 +26,7 @@ class Costmap2D:
     """A costmap with these layers, if enabled, in this order: static, obstacle, robots, inflation.
 
     Args:
-        parameters: parameters of costmap_2d. With those of a local costmap, the costmap moves with the robot.
+        parameters: parameters of costmap_2d. If they are for a local costmap, the costmap moves with the robot.
         body: (n, 2) corners of the robot's true body, base frame, meters. They are used if the parameters have no
             footprint.
         grid: the map. The costmap has the same cells. The map's origin must not be rotated.
@@ -74,7 +74,7 @@ class Costmap2D:
         self._layered = self._empty(self._layers)
 
     def _empty(self, layers: Sequence[CostmapLayer]) -> LayeredCostmap:
-        """Make a costmap of the same size that contains at most the walls."""
+        """Make a costmap of the same size. It contains no obstacles except the walls, if they are known here."""
         track = self._parameters.track_unknown_space
         return LayeredCostmap(self._grid, layers, self._shape, track, self._walls)
 

@@ -37,7 +37,7 @@ ITINERARY_SPEED = 0.5
 POINT_SPACING = 0.1
 """Distance between the points of an itinerary, meters."""
 NEAR_START = 0.5
-"""Distance from its start, meters, within which a robot may remain as close to another robot as it already is."""
+"""Distance from a robot's start, meters. Within it, the robot may remain as close to another robot as it already is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -276,11 +276,11 @@ def right_of_way(
 
 @njit(cache=True)
 def executable(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> bool:
-    """Return True if an itinerary can be driven to its end without stopping another robot that could drive otherwise.
+    """Return True if an itinerary can be driven to its end without stopping a robot that could drive if this one stood.
 
     This is always true for itineraries that keep their distance from each other at every time. But robots that already
-    stand closer may plan to remain closer for a while, and could then block each other's next points permanently. So the right of
-    way is simulated twice: once with this itinerary, and once with this robot standing where it is.
+    stand closer may plan to remain closer for a while, and could then block each other's next points permanently. So
+    the right of way is simulated twice: once with this itinerary, and once with this robot standing where it is.
 
     A step that is possible remains possible until it is driven. So the order in which robots are moved has no effect.
 

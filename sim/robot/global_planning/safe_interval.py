@@ -4,9 +4,9 @@ Space is a coarse grid. Each cell has a list of safe intervals: spans of time in
 state of the search is a cell and one of its safe intervals. Within an interval, a robot may wait as long as it needs.
 So a robot that arrives earlier can do everything that it could do after a later arrival, and only the earliest arrival
 in each state is needed. A search in space alone has one state per cell. This search has a few states per cell, one per
-interval. A plain search in space and time would have a state for every second of waiting. A* expands states in the order of
-arrival time plus the remaining time without other robots. The goal is reached if the robot arrives in an interval that
-never ends, so that it may stay there.
+interval. A plain search in space and time would have a state for every second of waiting. A* expands states in the
+order of arrival time plus the remaining time without other robots. The goal is reached if the robot arrives in an
+interval that never ends, so that it may stay there.
 
 Source: Phillips, Likhachev, SIPP: Safe Interval Path Planning for Dynamic Environments (ICRA 2011).
 Difference from the source: intervals begin and end at multiples of BIN_LENGTH seconds. The time after the last bin is
@@ -104,7 +104,8 @@ def _shade(
     `count` rows of the traffic are in use. Return the new traffic and the new count.
 
     `present` is the distance of that robot from the planning robot's start (start_x, start_y), meters. At the start,
-    the required distance is at most `present`. Otherwise a robot that stands too close to another robot could never leave.
+    the required distance is at most `present`. Otherwise a robot that stands too close to another robot could never
+    leave.
     """
     row_of, busy = traffic
     rows, cols = row_of.shape
@@ -249,7 +250,7 @@ def _reachable(
 ) -> bool:
     """Return False if a robot cannot get from the start to a target where it may stay, no matter how it waits.
 
-    Either no target becomes free permanently, or a robot that stands permanently blocks every path. In these cases a
+    This is so if no target becomes free permanently, or if robots that stand still block every path. In these cases, a
     search would visit all states without a result. The states are as in `_search`.
     """
     rows, cols = free.shape

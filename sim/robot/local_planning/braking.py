@@ -30,7 +30,7 @@ from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
 from sim.robot.costmap.footprint_cost import circumscribed_radius
 
 WALL_MARGIN = 0.08
-"""Distance kept from walls, meters. It is about the maximum error of localization."""
+"""Distance kept from walls, meters. It approximately equals the maximum error of localization."""
 LEAST_MARGIN = 0.03
 """Part of WALL_MARGIN that always remains, meters."""
 USUAL_PADDING = 0.01
@@ -45,7 +45,7 @@ LATENCY = 0.02
 OBSTACLE_RANGE = 1.5
 """Distance within which obstacles seen by the laser are taken into account, meters."""
 NEIGHBOUR_RANGE = 2.0
-"""Distance between footprints beyond which a neighbor is ignored, meters."""
+"""A neighbor is ignored if the distance between the footprints is above this, meters."""
 
 
 class Surroundings(NamedTuple):
@@ -306,7 +306,7 @@ def safe(
     around: Surroundings, footprint: FloatArray, outline: FloatArray, x: float, y: float, theta: float, v: float,
     w: float, wanted_v: float, wanted_w: float, hold: float, acc_lim_x: float, acc_lim_theta: float, margin: float,
 ) -> bool:  # fmt: skip
-    """Return True if a command leaves room to stop. See the module's docstring.
+    """Return True if the robot can still stop in time after a command. See the module's docstring.
 
     Args:
         around: the surroundings at this pose.

@@ -10,7 +10,7 @@ at the first command that passes (`rollout.best_safe_command`).
 Source: ros-planning/navigation, dwa_local_planner/src/dwa_planner.cpp; base_local_planner/src/
 simple_trajectory_generator.cpp, simple_scored_sampling_planner.cpp and the cost functions; Fox, Burgard, Thrun, The
 Dynamic Window Approach to Collision Avoidance (1997).
-Differences from ROS: those of `trajectory_rollout`, and another. In ROS, a standing robot prefers turning in place
+Differences from ROS: all those of `trajectory_rollout`, and one more. In ROS, a standing robot prefers turning in place
 wherever obstacle costs exceed progress. Here it does not (see `STALL_TIMEOUT` in `local_planner`).
 """
 
@@ -79,7 +79,7 @@ class _Critics(NamedTuple):
         sum_scores: True if the costs along the trajectory add up.
         twirling: weight per rad/s.
         nose: distance of the nose in front of the center, meters.
-        scaling_speed: velocity above which the footprint is scaled up, m/s. At `max_vel_trans` the factor is 1 +
+        scaling_speed: above this velocity, the footprint is enlarged, m/s. At `max_vel_trans` the factor is 1 +
             `max_scaling_factor`.
     """
 

@@ -1,7 +1,7 @@
 """Base of local planners: maneuvers and limits that all of them share. Subclasses search for the commands.
 
 A robot that faces away from its path turns in place before it starts. If no command makes progress, the robot backs up.
-Every command leaves room to stop (`sim.robot.local_planning.braking`).
+After every command, the robot can still stop in time (`sim.robot.local_planning.braking`).
 """
 
 import math
@@ -22,7 +22,7 @@ from sim.robot.local_planning.braking import LATENCY, SLIGHT_MARGIN, WALL_MARGIN
 from sim.robot.local_planning.rollout import COMFORT, MotionState, RobotBody, command_safe, rollout
 
 TURN_IN_PLACE = 1.0
-"""Angle to the path above which a robot turns in place, radians. Below TURNED it starts to drive."""
+"""A robot turns in place if its angle to the path is above this, radians. Below TURNED it starts to drive."""
 TURNED = 0.3
 ALIGNED = 0.05
 """Angle below which a robot starts to drive after it has turned to a heading that brings progress, radians."""
@@ -109,7 +109,7 @@ def _toward(path: FloatArray, x: float, y: float, lookahead: float) -> tuple[flo
 
 
 class LocalPlanner(ABC):
-    """Planner of commands for one robot. Each command leaves room to stop.
+    """Planner of commands for one robot. After each command, the robot can still stop in time.
 
     Commands are sampled and rolled out. Subclasses define the samples and their scores.
 
@@ -169,7 +169,7 @@ class LocalPlanner(ABC):
         self._escape_speed = self.limits.escape_vel
 
     def safe(self, pose: Pose2, twist: Twist, command: Twist, around: Surroundings) -> bool:
-        """Return True if a command leaves room to stop."""
+        """Return True if the robot can still stop in time after a command."""
         return bool(command_safe(around, self._body, _motion(pose, twist), command.linear, command.angular))
 
     def turn(self, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> PlannedCommand:

@@ -71,7 +71,8 @@ class ParticleBelief:
         base_in_odom: odometry pose at that time.
         place: hypothesis with the tracked pose.
         rival: second hypothesis, or None if there is no reason to search.
-        lead: sum over recent scans of the share that the rival explained better than the pose, see `WON`.
+        lead: share of a scan that the rival explained, minus the share that the pose explained, summed over recent
+            scans; see `WON`.
         anywhere: True while the pose itself is searched on the whole map.
         proven: True if the pose was set, or has been tracked for a long time.
         lost: True if the robot is lost, see `Estimate`.

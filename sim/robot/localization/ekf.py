@@ -34,7 +34,8 @@ GATE = 16.27
 """Maximum squared Mahalanobis distance of an accepted match: the 0.999 quantile of chi-square, 3 degrees of freedom."""
 
 _LEAST_INFORMATION = np.diag((1.0, 1.0, 4.0))
-"""Information that keeps a match's covariance finite if a corridor does not determine a direction: 1 m, 0.5 rad."""
+"""Information that is added to each match, as for standard deviations of 1 m and 0.5 rad. It keeps the covariance
+finite if a corridor does not determine a direction."""
 
 _LEAST_SHARE = 0.4
 """Share of a scan's points that must be on the map's walls. At a wrong pose, a scan hardly ever reaches this share."""
@@ -137,7 +138,7 @@ class KalmanLocalizer:
     Before the first `start`, it assumes that the robot is at the map's origin.
 
     Attributes:
-        looked: evidence after the last scan that was examined. None before the first.
+        looked: evidence after the last examined scan. None before the first examined scan.
     """
 
     def __init__(self, software: RobotParameters, grid: OccupancyGrid, mount: LaserMount) -> None:
@@ -220,7 +221,7 @@ class KalmanLocalizer:
         )
 
     def _evidence(self, state: TrackingState) -> GaussianEvidence:
-        """Collect the features after a scan that distinguish right poses from wrong ones."""
+        """After a scan, collect the features that distinguish right poses from wrong poses."""
         return GaussianEvidence.of(
             self._filter.covariance + state.shared,
             state.motion_noise_scales,

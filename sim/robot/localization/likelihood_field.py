@@ -81,7 +81,7 @@ def _shifted(mask: NDArray[np.bool_], rows: int, cols: int) -> NDArray[np.bool_]
 def _table(
     grid: OccupancyGrid, max_distance: float, z_hit: float, random: float, sigma_hit: float
 ) -> tuple[NDArray[np.float32], NDArray[np.uint16 | np.uint32]]:
-    """Return the (n,) log probabilities of readings by distance, and (4, rows, cols) their index for each cell.
+    """Return the (n,) log probabilities of readings by distance, and for each cell their (4, rows, cols) indices.
 
     The arrays are read-only, because a map never changes and all robots on it with the same laser share them. See
     `facing_levels`.
@@ -246,7 +246,7 @@ class LikelihoodField:
             sigma_hit: standard deviation of good readings, meters.
             max_dist: cap of the distances, and distance of everything outside the map, meters.
 
-        Source: Probabilistic Robotics, table 6.3, without its constant factor (as amcl).
+        Source: Probabilistic Robotics, table 6.3, without its constant factor (as in amcl).
         Difference from the source: distances are to surfaces that face the beam. In the table and in amcl, they are to
         occupied cells.
         """
@@ -280,8 +280,8 @@ class LikelihoodField:
             points: (m, 2) end points of the beams in the base frame.
             distance: a point within this distance of a wall is explained, meters.
             threshold: share of the particles that must explain a point.
-            error_threshold: share of unexplained points above which the particles are considered wrong, and all points
-                are returned.
+            error_threshold: if a larger share of points is not explained, the particles are considered wrong, and all
+                points are returned.
 
         Returns:
             (k, 2), k <= m.

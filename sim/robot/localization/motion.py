@@ -277,7 +277,7 @@ class MotionModel:
             after: (n,) weights after the scan.
 
         Source: Dempster, Laird and Rubin, Maximum likelihood from incomplete data via the EM algorithm (1977), for the
-            expected square of a hidden error. Here the running mean is of its logarithm, as in `ekf`.
+            expected square of a hidden error. Here, a running mean of the square's logarithm is used, as in `ekf`.
         """
         first, second, third = np.minimum(_square_ratios(noise, before, after), _MOST_OF_ONE_SCAN).tolist()
         # A differential drive has errors of turn, distance and turn. An omnidirectional drive has errors along, across

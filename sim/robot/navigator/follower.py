@@ -39,9 +39,9 @@ TURN_BACK_DISTANCE = 0.06
 YIELD_TIME = 0.5
 """Minimum time in which a robot reaches a point that it must not pass, seconds. So it slows down before the point."""
 STUCK_TIMEOUT = 2.0
-"""Seconds without progress, for other reasons than the right of way, after which a robot plans again."""
+"""A robot plans again after this number of seconds without progress, unless it waits for its right of way."""
 QUEUE_TIMEOUT = 20.0
-"""Seconds without progress because of the right of way after which a robot plans again."""
+"""A robot that waits for its right of way plans again after this number of seconds without progress."""
 
 NO_POSES: FloatArray = np.empty((0, 3))
 NO_TIMES: FloatArray = np.empty(0)

@@ -131,7 +131,7 @@ class GoalExecution:
 
     @property
     def going_on(self) -> State:
-        """The present state, or the following state during a recovery behavior."""
+        """The present state; during a recovery behavior, the state that follows the behavior."""
         return self.state.then if isinstance(self.state, Clearing) else self.state
 
     def makes_way_for(self, tick: int) -> int | None:

@@ -3,7 +3,7 @@
 from sim.common.observations import TICKS_PER_SECOND
 
 PAUSE = 1.0
-"""Seconds without a reason to make way after which making way ends.
+"""Seconds without a reason to make way. Then a robot stops making way.
 
 Shorter pauses are ignored, because robots in a queue advance in small steps.
 """

@@ -30,8 +30,8 @@ class Navigation:
         claim: priority of the robot that wants the plan, if others are asked to clear it.
         global_costmap: costs for plans, in ticks when they are published.
         local_costmap: costs for commands, in ticks when they are published.
-        waits_for: other robot that goes first, if this robot stands because of it.
-        makes_way_for: other robot with the right of way, while this robot waits for it, drives aside or around it.
+        waits_for: robot that goes first, while this robot stands and waits for it. Otherwise None.
+        makes_way_for: robot with the right of way, while this robot waits for it, drives aside, or drives around it.
         fault: failure of an installed planner or recovery behavior in this tick. Empty without a failure.
     """
 

@@ -166,7 +166,7 @@ class PlanningCycle:
             self._clearing.recover(tick, pose, lambda goal: NoPath(goal, refused.code, refused.sentence))
 
     def _asked_to_clear(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Neighbour | None:
-        """Return the robot of highest priority (above this robot's) that wants a path where this robot stands."""
+        """Return the robot with the highest priority, above this robot's, whose path this robot blocks."""
         own = None if self._execution.goal is None else Claim(self._execution.progress.began, self._robot)
         strongest: Neighbour | None = None
         for other in neighbours:
@@ -202,7 +202,7 @@ class PlanningCycle:
 
     @property
     def _driven_on(self) -> Controlling | None:
-        """The present state if the robot drives on while its plan is replaced.
+        """The present state if the robot drives on while its plan is replaced; otherwise None.
 
         This happens, for example, with a planner_frequency above 0.
         """

@@ -36,7 +36,7 @@ _TF_OLD = "tf/tfMessage"
 
 
 TRAJECTORIES = (types.POSE_STAMPED, types.POSE_WITH_COVARIANCE, types.ODOMETRY)
-"""Types of topics that can be named as trajectories."""
+"""Message types of topics that users can name as trajectories."""
 
 
 def trajectory_topics(bag: Path, truth: str | None, estimate: str | None) -> TrajectoryTopics:

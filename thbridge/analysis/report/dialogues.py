@@ -138,7 +138,7 @@ class DialogueGatherer:
         )
 
     def _with_outer(self, course: list[DialogueMoveRecord]) -> Iterator[DialogueMoveRecord]:
-        """Yield the moves of a game and of the games that are paused for it. A game is only paused for later games."""
+        """Yield the moves of a game and of the games that are paused for it. Only later games can pause a game."""
         yield from course
         robot, number, parent = course[0].robot, course[0].dialogue, course[0].parent
         if parent is not None and parent < number and (robot, parent) in self._courses:

@@ -22,7 +22,7 @@ class SoundPath:
     Attributes:
         rows: (n, 4) time, x, y, theta; times increase.
         recorded: (n,) time of recording of each.
-        cuts: (k,) times of jumps, at which no robot drove.
+        cuts: (k,) times of jumps, which cannot be motion of a robot.
         faults: faults, in the order of recording.
     """
 

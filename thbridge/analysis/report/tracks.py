@@ -348,7 +348,7 @@ class _Sources:
         }
 
     def _take(self, what: str, *choices: tuple[Mapping[str, PoseSeries], tuple[str, ...]]) -> _Taken:
-        """Return the poses with the most usual name, in the first choice that has poses; otherwise no rows."""
+        """Take the first choice that has poses, and return its poses with the most usual name; otherwise no rows."""
         for candidates, usual in choices:
             if names := usual_first(candidates, usual):
                 others = f"; other topics: {', '.join(names[1:])}" if len(names) > 1 else ""
@@ -366,7 +366,7 @@ def _first(
 
 
 def _thinned(track: Track, most: int) -> Track:
-    """Return a track with at most `most` poses of a kind, including the last of each. The distance is unchanged."""
+    """Return a track with about `most` poses of each kind, including the last pose. The distance is unchanged."""
     long = (track.truth, track.estimate, track.errors, track.odometry, track.speeds)
     every = -(-max(map(len, long)) // most)
     if every <= 1:

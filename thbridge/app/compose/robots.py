@@ -27,9 +27,9 @@ from thbridge.roles.simr.travel_times import TravelTimes
 from thbridge.study.things import schedule_of
 
 REHEARSAL = 5 * TICKS_PER_SECOND
-"""Number of ticks of a rehearsal, in which robots localize, plan around each other, turn and drive."""
+"""Length of a rehearsal, ticks. In a rehearsal, robots localize, plan around each other, turn and drive."""
 REHEARSERS = 10
-"""Largest number of robots with the common parameters in a rehearsal. More robots would not compile more kernels."""
+"""Largest number of robots in a rehearsal that have the common parameters. More robots would compile no more kernels."""
 
 
 def build_team(setting: StudySetting) -> Team:

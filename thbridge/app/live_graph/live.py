@@ -1,7 +1,7 @@
 """Session on a ROS graph, which publishes the messages of a bag, and passes clients' requests to the robots.
 
-A client's message does not act at once: it becomes a request, which the session processes between two ticks, and
-records. Queries (for the map or a plan) are answered at once and do not change the state.
+A client's message does not take effect at once. It becomes a request, which the session records and processes between
+two ticks. Queries (for the map or a plan) are answered at once and do not change the state.
 """
 
 import logging

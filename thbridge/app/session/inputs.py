@@ -1,8 +1,8 @@
 """Inputs of a session from outside. Only the study and the inputs determine a run.
 
-Each input is a value. It arrives between two ticks and acts in the next tick. There is one exception: a message of the
-participant in this process (a person or a bot) acts in the tick in which it was sent. A recording contains every input,
-before the effects of the input. Sessions with the same inputs in the same ticks are identical.
+Each input is a value. It arrives between two ticks and takes effect in the next tick. There is one exception: a message
+of the participant in this process (a person or a bot) takes effect in the tick in which it was sent. A recording
+contains every input, before the effects of the input. Sessions with the same inputs in the same ticks are identical.
 """
 
 from dataclasses import dataclass

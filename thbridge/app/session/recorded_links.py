@@ -55,8 +55,8 @@ class RecordedLinks:
     def receive_frame(self, link: LinkId, frame: Frame, robot: int | None = None) -> FrameOutcome:
         """Process a received frame.
 
-        The frame acts at once on the vehicles, in their state after the last tick. Requests of vehicles to robots and
-        game act in the next tick.
+        The vehicles process the frame at once, in their state after the last tick. Requests of vehicles to robots and
+        game take effect in the next tick.
 
         Args:
             link: number of the link. A frame of an unknown link is dropped.

@@ -16,7 +16,7 @@ Extension = frozenset[str]
 """Set of arguments that can be accepted together."""
 
 IN, OUT, UNDECIDED = 1, 2, 4
-"""Labels, as bits of the set of possible labels of an argument."""
+"""Labels of an argument. Each label is a bit, so a number can represent the set of an argument's possible labels."""
 _ANY = IN | OUT | UNDECIDED
 
 
@@ -30,7 +30,10 @@ class Semantics(StrEnum):
 
 
 def extensions(framework: ArgumentationFramework, semantics: Semantics) -> tuple[Extension, ...]:
-    """Return all extensions, in the order of their arguments' indices. Only stable semantics may have no extension."""
+    """Return all extensions, in the order of their arguments' indices.
+
+    All semantics except stable semantics have at least one extension.
+    """
     return in_order(framework, _FINDERS[semantics](framework))
 
 
@@ -50,9 +53,9 @@ def grounded_labels(framework: ArgumentationFramework) -> list[int]:
 
 
 def grounded_steps(framework: ArgumentationFramework) -> list[int | None]:
-    """Return, for the argument at each index, the step in which it was labeled in or out.
+    """Return, for the argument at each index, the step in which it was labeled "in" or "out".
 
-    In step k, after k other arguments, one argument is labeled in; the arguments that it attacks are labeled out.
+    In step k, after k other arguments, one argument is labeled "in"; the arguments that it attacks are labeled "out".
     Undecided arguments have None.
     """
     return _grounded(framework)[1]
@@ -98,8 +101,8 @@ def stable(framework: ArgumentationFramework) -> Iterator[Extension]:
 def preferred(framework: ArgumentationFramework) -> Iterator[Extension]:
     """Yield the preferred extensions: the complete extensions that are not part of a larger complete extension.
 
-    The search finds larger extensions first. So each result is preferred unless it is part of an earlier result. The
-    search skips branches in which only parts of earlier results are left.
+    The search finds larger extensions first. So an extension is preferred if it is not part of an earlier result. The
+    search skips branches that contain only parts of earlier results.
     """
     others: list[int] = []
     for labels in _Search(framework).labellings(others):
@@ -131,11 +134,11 @@ class _Search:
         self._start = [labels if label == UNDECIDED else label & labels for label in grounded_ones]
 
     def labellings(self, some_of: Sequence[int] = ()) -> Iterator[list[int]]:
-        """Yield each labeling once. A labeling comes after all labelings in which more arguments are in.
+        """Yield each labeling once. A labeling comes after all labelings in which more arguments are "in".
 
         Args:
-            some_of: sets of indices, as bits of numbers; one of each set is in. Sets may be added between two
-                labelings.
+            some_of: sets of the arguments' indices, as bits of numbers. At least one argument of each set must be in.
+                Sets may be added between two labelings.
         """
         start = list(self._start)
         open_ones = self._conclude(start, range(len(start)), some_of)
@@ -166,7 +169,7 @@ class _Search:
         return max(places, key=lambda place: len(self._attacked[place]), default=None)
 
     def _conclude(self, may_be: list[int], changed: Iterable[int], some_of: Sequence[int]) -> Sequence[int] | None:
-        """Draw all conclusions; return the sets in which no argument is in yet, or None if no labeling is left."""
+        """Draw all conclusions. Return the sets without an argument that is IN, or None if no labeling is left."""
         queue = deque(changed)
         waiting = set(queue)
 
@@ -226,7 +229,7 @@ class _Search:
 
 
 _NEEDS_ONE = ((OUT, IN), (UNDECIDED, UNDECIDED), (OUT | UNDECIDED, IN | UNDECIDED))
-"""In each pair: an argument with a label of the first set has an attacker with a label of the second set."""
+"""Pairs of sets of labels. If an argument has a label of the first set, an attacker has a label of the second set."""
 
 _FINDERS: Mapping[Semantics, Callable[[ArgumentationFramework], Iterable[Extension]]] = {
     Semantics.GROUNDED: lambda framework: (grounded(framework),),

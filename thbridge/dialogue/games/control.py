@@ -177,7 +177,7 @@ class Conversation:
         """Return the conversation in a new situation, in which used-up replies may be used again.
 
         Args:
-            is_past: True for literals that were held only in the former situation, such as a decision.
+            is_past: returns True for literals that belong only to the former situation, for example a decision.
         """
         agents = {}
         for side, agent in self.agents.items():
@@ -207,7 +207,9 @@ class Conversation:
         return GamePlay(number, self.rulebook.games[game], topic, side, parent, asks, barred=used)
 
     def _used_up(self, topic: Belief, initiator: Side) -> frozenset[tuple[DialogueMove, DialogueMove]]:
-        """Return openings about a topic, each with a reply that was used up in a failed dialogue of any game.
+        """Return the openings of failed dialogues about a topic, each with the reply that must not be used again.
+
+        The failed dialogues may be of any game.
 
         A question may be asked and answered again. If a claim got no reply, no answer was used up.
         """
@@ -221,7 +223,7 @@ class Conversation:
         )
 
     def _has_answer(self, fresh: GamePlay, legal: LegalMove) -> bool:
-        """Return True if the other side has a reply that it has not used up in a dialogue with the same beginning.
+        """Return True if the other side has a reply left that it has not used up in dialogues with the same beginning.
 
         A locution that questions a refusal must not make a claim, and the other side must have an answer.
         """
@@ -246,7 +248,10 @@ class Conversation:
         return now._settled()
 
     def _settled(self) -> "Conversation":
-        """End each dialogue in which no move is left; utterances and observations elsewhere can have this effect."""
+        """End each dialogue in which no move is left.
+
+        Utterances and observations outside a dialogue can use up its last move.
+        """
         for play in self.open_plays:
             if not self.waits(play.number) and not self._legal(play):
                 # Another dialogue that waited for the ended dialogue may also have no move left.

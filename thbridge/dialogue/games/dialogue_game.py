@@ -88,7 +88,7 @@ class GamePlay:
 
     @property
     def has_refuted(self) -> bool:
-        """True if both sides agree on the opposite of the support that was refused in its parent."""
+        """True if both sides agree on the opposite of the support that was refused in the parent dialogue."""
         return self.questions_refusal and self.end is DialogueEnd.AGREEMENT and self.claim == self.topic
 
     def ended(self, end: DialogueEnd) -> "GamePlay":
@@ -96,7 +96,7 @@ class GamePlay:
         return replace(self, end=self.put_off or end)
 
     def questioned(self) -> "GamePlay":
-        """Return the dialogue, ended by a refusal, while it waits for the answer to a question about the refusal."""
+        """Return the dialogue with its end postponed, because a question about the refusal waits for an answer."""
         return replace(self, stage=self.resumes or self.stage, resumes=None, put_off=self.end, end=None)
 
 

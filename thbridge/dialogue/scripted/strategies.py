@@ -11,7 +11,7 @@ class Strategy(Protocol):
     """Choice of the robot's moves; it must depend only on its arguments and its constructor's arguments."""
 
     def choose(self, dialogue: Dialogue, legal: Sequence[Move]) -> Move:
-        """Return one of the legal moves, by a dialogue's topic and moves so far; there is at least one legal move."""
+        """Choose one of the legal moves by the dialogue's topic and moves so far. There is at least one legal move."""
         ...
 
 

@@ -113,7 +113,10 @@ def try_strategy(factory: StrategyFactory, rulebook: Rulebook, conversations: in
 
 
 def moves_of_robots(rulebook: Rulebook, conversations: int, seed: int) -> tuple[DialogueMove, ...]:
-    """Return all moves of robots with the built-in strategy in a trial's conversations, each once, as first made."""
+    """Return the moves of robots with the built-in strategy in a trial's conversations.
+
+    Each move is returned once, in the order in which robots first make the moves.
+    """
     said: dict[DialogueMove, None] = {}
 
     @dataclass(frozen=True, slots=True)

@@ -211,7 +211,7 @@ def _why_never_given(item: Item, answer: str) -> tuple[str, str] | None:
 
 
 def _of_answer_key(design: ExperimentDesign, entry: StepEntry, item: Item) -> Iterator[tuple[str, str]]:
-    """Yield the problem and the remedy if not exactly one right answer by condition applies to each participant."""
+    """Yield the problem and the remedy, unless each participant has exactly one right answer by condition."""
     factors = _levels_of(design)
     named = dict.fromkeys(key.partition("=")[0] for key in item.correct_by_condition)
     unknown = [factor for factor in named if factor not in factors]

@@ -1,1 +1,2 @@
-"""Rehearsals: simulated people go through a whole experiment. Many rehearsals show how many people it needs."""
+"""Rehearsals: simulated people go through a whole experiment. Many rehearsals show how many people the experiment
+needs."""

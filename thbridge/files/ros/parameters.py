@@ -279,7 +279,7 @@ def _has_nodes(tree: Section) -> bool:
 
 
 def _without_static_map(path: Path, tree: Section, listed: Collection[str], notices: list[str]) -> Section:
-    """Return the entries without `static_map` in costmaps that list their layers: there, ROS does not read it."""
+    """Return the entries without `static_map` in costmaps that list their layers, because ROS ignores it there."""
     sections: list[Entry] = []
     for key, child in tree.entries:
         kept = child
@@ -340,7 +340,7 @@ class _Sorter:
     def homes(self, flat: list[Entry], by_node: bool) -> dict[str, list[Entry]]:
         """Assign sections to parameters without one.
 
-        Parameters get the section that has most of these parameters. The rest get any section that has them.
+        Sections that have more of these parameters come first. Each parameter gets the first section that has it.
 
         Unknown sections get an empty name in the result.
 

@@ -137,7 +137,7 @@ class _Edit:
         return text[:behind] + text[end:at] + self._newline + added + text[at:]
 
     def _added(self, steps: Sequence[Step], known: int, node: Node, value: str) -> str:
-        """Return the text with the value after the keys that come before it."""
+        """Return the text with the value inserted after the keys that must precede it."""
         text = self._text
         if isinstance(node, Scalar):
             return text
@@ -357,7 +357,7 @@ def _is_under(path: str, key: str) -> bool:
 
 
 def _with_changed(tree: Node, steps: tuple[Step, ...], value: Node) -> list[Leaf]:
-    """Return the leaves of a tree with this value at a path."""
+    """Return the leaves of a tree after writing this value at a path."""
     key = path_of(steps)
     return [*(leaf for leaf in _leaves(tree) if not _is_under(leaf[0], key)), *_leaves(value, steps)]
 

@@ -36,7 +36,7 @@ reads them."""
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """A word, number or text. `plain` is True without quotes; `tag` is a word such as `!degrees` before it.
+    """A word, number or text. `plain` is True if it has no quotes; `tag` is a word before it, such as `!degrees`.
 
     `start` and `end` are its offsets in the text, including quotes. For a value that was left out, both are equal.
     If a key was moved within the tree, `place` is the path that people wrote, for messages.
@@ -52,7 +52,7 @@ class Scalar:
 
     @property
     def absent(self) -> bool:
-        """True if no value is written, or a word for null."""
+        """True if no value is written, or if the value is a word for null."""
         return self.plain and self.text in {"", "~", "null", "Null", "NULL"}
 
 
@@ -171,7 +171,7 @@ def _tree_of(source: _Source) -> Node:
 
 
 def at_line(node: Node, line: int) -> Node:
-    """Return the same tree, in which all nodes have one line number."""
+    """Return the same tree, but with this line number for all nodes."""
     match node:
         case Listing(_, items):
             return Listing(line, [at_line(item, line) for item in items])

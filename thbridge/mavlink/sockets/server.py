@@ -90,7 +90,7 @@ class MavlinkServer:
             await self._tcp_port.serve()
 
     async def close(self) -> None:
-        """Close all ports. Before, TCP peers have a moment to read the last frames."""
+        """Close all ports, after TCP peers had a moment to read the last frames."""
         await self._opened.aclose()
         self._links.store_timestamps()
         totals = self._links.totals

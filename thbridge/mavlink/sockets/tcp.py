@@ -29,7 +29,7 @@ _SEGMENT = 4096
 """Maximum number of bytes that are parsed in one round of the event loop."""
 
 _LINGER = 1.0
-"""Seconds before the end of a connection in which its peer can read waiting data."""
+"""Time that a peer has to read waiting data before its connection is closed, seconds."""
 
 
 class TcpPort:

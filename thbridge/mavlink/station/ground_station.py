@@ -22,7 +22,7 @@ HEARTBEAT_PERIOD = 1.0
 ACK_TIMEOUT = 0.5
 TRIES = 5
 PROGRESS_TIMEOUT = 3.0
-"""Seconds after an acknowledgement of progress until the next one. Then the command counts as unanswered."""
+"""Seconds without an acknowledgement, after an acknowledgement of progress. Then the command counts as unanswered."""
 
 _MOST_SYSTEMS = 255
 
@@ -61,7 +61,7 @@ class CommandUnanswered:
 
 @dataclass(frozen=True, slots=True)
 class StatusTextReceived:
-    """Text of a robot for people. `severity` is a code of MAV_SEVERITY."""
+    """Text that a robot sends to people. `severity` is a code of MAV_SEVERITY."""
 
     system: int
     severity: int

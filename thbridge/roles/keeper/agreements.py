@@ -136,10 +136,10 @@ def still_open(state: GameState, robot: int, matter: DialogueMatter, room: Room)
 
 
 def _still_matters(state: GameState, words: LastWords) -> bool:
-    """Return True if last sentences are relevant.
+    """Return True if the last sentences of a dialogue are still relevant.
 
-    With an agreement, they are relevant until it is carried out. Otherwise, they are relevant until the robot moves or
-    there is a decision on the treasure.
+    After an agreement, they are relevant until the agreement is carried out. Otherwise, they are relevant until the
+    robot moves or there is a decision on the treasure.
     """
     if state.ended is not None:
         return False

@@ -209,7 +209,7 @@ class GameDialogues:
         self.puppets |= {robot}
 
     def release(self, state: GameState | None, robot: int) -> None:
-        """Let the robot speak for itself again, at once if it is its turn. Drop a pending request for advice."""
+        """Let the robot speak for itself again; at its turn, it speaks at once. Drop a pending request for advice."""
         self.puppets -= {robot}
         self.asked_for_advice = _without(self.asked_for_advice, robot)
         dialogue = self.under_way.of(robot)

@@ -37,13 +37,13 @@ from thbridge.roles.shared.view import (
 STOP_PROBABILITY = 0.1
 """Probability that the `random` participant answers Stop."""
 MAX_ATTEMPTS = 3
-"""Number of failed moves of a robot to a room, or failed dialogues about a treasure, after which the bot gives up."""
+"""The bot gives up after this number of failed moves of a robot to a room, or failed dialogues about a treasure."""
 TALKS_AS_USUAL, TALKS_ABOUT_ROOMS, MOST_TALKS = 2, 4, 6
 """Numbers of failed dialogues with a robot. After the first number, the bot no longer asks for advice. After the second
 number, it no longer chooses rooms itself, but asks for advice again and accepts all advice. After the third number, it
 no longer talks with the robot."""
 DEAR = 2.0
-"""Ratio of a room's cost to the cheapest room's cost above which a room is too expensive for a cautious participant."""
+"""A room is too expensive for a cautious participant if it costs more than this number of times the cheapest room."""
 
 
 @dataclass(frozen=True, slots=True)

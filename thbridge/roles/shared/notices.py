@@ -92,8 +92,8 @@ class TeamStatus(NoticeValue, frozen=True, tag="Status"):
         poses: x, y, theta of every robot.
         results: one entry per robot. None during a move and before the first move.
         conditions: one entry per robot.
-        researchers: one entry per robot: the name of the intervening researcher, or None. Empty from programs that do
-            not report researchers.
+        researchers: one entry per robot: the name of the intervening researcher, or None. Empty if the program
+            does not report researchers.
     """
 
     game: int

@@ -133,7 +133,7 @@ def place(number: int) -> Room:
 def revealed(view: View) -> Situation:
     """Return the situation that a view reveals.
 
-    Unknown data are empty. The rules in this module do not use them.
+    Data that the view does not contain are empty. The rules in this module do not use them.
     """
     matters: list[DialogueView | Consent] = [*view.dialogues, *view.consents]
     started = GameStarted(

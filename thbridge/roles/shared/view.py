@@ -381,7 +381,7 @@ class SenseTreasure(NoticeValue, frozen=True, tag="Sense"):
 
 
 class MeasureProperty(NoticeValue, frozen=True, tag="Measure"):
-    """Let the robot in a room sense a further property of the treasure, for energy."""
+    """Let the robot in a room sense a further property of the treasure. This costs energy."""
 
     room: int
     property: str

@@ -36,7 +36,7 @@ _FIRST_STRETCH = 0.5
 
 
 class _Way(NamedTuple):
-    """Parts of a path's duration without weights: 1, length in meters, and turns on the spot at both ends, radians."""
+    """Unweighted terms of a path's duration: 1, length in meters, and turns on the spot at both ends in radians."""
 
     one: float
     length: float
@@ -147,7 +147,7 @@ def _fitted(known: Sequence[tuple[Sequence[_Way], float]]) -> FloatArray:
 
 
 def non_negative_weights(parts: FloatArray, wholes: FloatArray) -> FloatArray:
-    """Return the (k,) non-negative weights of parts for which the weighted sums are nearest to the (n,) wholes.
+    """Return the (k,) non-negative weights with which the weighted sums of the parts are nearest to the wholes.
 
     The fit is by least squares.
 

@@ -26,14 +26,14 @@ SET_BACK_NS = 5_000_000_000
 """If a message is older than the last message by more than this time, it is not late. Then the robot's clock was set
 back, or its program was restarted."""
 UNLOCALIZED_DISTANCE = 3.0
-"""Meters of odometry without a correction after which a robot that only sends amcl_pose counts as lost.
+"""A robot that only sends amcl_pose counts as lost after this number of meters of odometry without a correction.
 
 amcl publishes amcl_pose every 0.2 m (update_min_d).
 """
 
 _REMEMBERED = 500
 _APART_NS = 1_000_000_000
-"""Maximum time difference at which odometry and a pose are combined."""
+"""Maximum time difference between odometry and a pose that are combined."""
 _JUMP, _FASTEST = 1.0, 5.0
 """Maximum possible distance between two odometry messages: meters, plus m/s times the time between them. A message that
 is farther away is an outlier, or the driver was restarted and counts from zero again. The next message shows the cause.

@@ -43,9 +43,9 @@ from thbridge.sockets.warn_once import WarnOnce
 CALLER = "/thbridge_fleet"
 """Name of the node. A simulated session on the same graph has another name."""
 TEAM_TOPICS = (names.TF, names.TF_STATIC, names.MAP, names.MAP_METADATA, names.ROSOUT, names.DIAGNOSTICS)
-"""Recorded topics that are not of a single robot."""
+"""Recorded topics that do not belong to a single robot."""
 PLACEMENT_TOLERANCE = 0.5
-"""Maximum distance in meters between a robot and its start pose at which the robot does not have to be moved."""
+"""A robot has to be moved if its distance from its start pose is above this, meters."""
 
 _log = logging.getLogger(__name__)
 
@@ -147,7 +147,7 @@ class Fleet:
         return self._clock is not None
 
     def tell_changes(self) -> None:
-        """Log impossible odometry, and parts of robots that have been silent or back for at least a second."""
+        """Log impossible odometry. Also log parts of robots that became silent or active at least a second ago."""
         if self._clock is None or not self._clock.runs:
             return
         wall_ns = self._wall()

@@ -51,8 +51,8 @@ class HttpLimits:
     """Limits of a server.
 
     Args:
-        connections: maximum number of connections. A further connection replaces the one that has been idle longest
-            among those of the address with the most connections.
+        connections: maximum number of connections. A further connection replaces another connection: of the address
+            with the most connections, the connection that has been idle longest.
         header_bytes: maximum size of a request's header. It is checked after each read.
         held_bytes: maximum number of bytes in requests of all connections that are not decoded yet. The same limit
             applies to unread answers.

@@ -63,7 +63,7 @@ _WRONG_KEY_SECONDS = 1.0
 _LONGEST_KEY_LINE = 4096
 
 _MOST_WITHOUT_KEY = 64
-"""Maximum number of encrypted connections without a valid key. A further connection replaces the oldest."""
+"""Maximum number of encrypted connections without a valid key. A further connection replaces the oldest connection."""
 
 
 class RouterInterface(Protocol):
@@ -79,7 +79,7 @@ class RouterInterface(Protocol):
         """Handle received bytes."""
 
     def admits(self, connection: ConnectionId) -> bool:
-        """Return True when a connection may send another line before the next `TextServer.perform`."""
+        """Return True if a connection may send another line before the next `TextServer.perform`."""
 
     def eof(self, connection: ConnectionId) -> Sequence[RouterOutput]:
         """Remove a connection that has ended."""
@@ -183,7 +183,7 @@ class TextServer:
         self._held[connection] = held
 
     def admits(self, connection: ConnectionId) -> bool:
-        """Return True when a connection may send another line now."""
+        """Return True if a connection may send another line now."""
         return self._router.admits(connection)
 
     def _perform(self, outputs: Iterable[RouterOutput]) -> None:

@@ -133,7 +133,7 @@ class NameTreasure:
 
 @dataclass(frozen=True, slots=True)
 class PointsAwarded:
-    """Message of Hider: the points for an identification, negative for a wrong one."""
+    """Message of Hider: the points for an identification. They are negative for a wrong identification."""
 
     points: int
 

@@ -29,8 +29,8 @@ Extended clients register with ``%%setid NAME extended [TOKEN]``. Only they
 * receive the notices of other extended parties. (Notices to clients of 2016 are withheld, because these clients would
   misread them.)
 * replace a dead holder of their name. It must have the same key, or both must have no key. A holder counts as dead
-  if it has not answered a ping yet, or if it registered with the same TOKEN. With the same TOKEN, it is this program's
-  own connection from before a network failure.
+  if it has not answered a ping yet, or if it registered with the same TOKEN. If the TOKEN is the same, the holder is
+  this program's own connection from before a network failure.
 
 A connection from another machine has credentials. With a key it may register the names for which the key has rights,
 and send only in its own name. Without a key it is never extended. A client that breaks these rules gets the reason, and
@@ -158,7 +158,7 @@ class LineSkipped:
 
 @dataclass(frozen=True, slots=True)
 class ClientJoined:
-    """Event: a connection has registered a name. Logs use this, and recorders that note the reachable names."""
+    """Event: a connection has registered a name. It is for logs, and for recorders that note the reachable names."""
 
     connection: ConnectionId
     name: str
@@ -247,7 +247,7 @@ class LocalEndpoints:
         self._submitted: list[tuple[_Endpoint, TextMessage]] = []
 
     def attach(self, name: str) -> NameTaken | None:
-        """Register a name for a program of this process. The program counts as extended and is never pinged.
+        """Register a name for a program of this process. The program counts as an extended client and is never pinged.
 
         Raises:
             ValueError: the name is not one token.

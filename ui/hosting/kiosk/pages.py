@@ -123,7 +123,7 @@ class KioskPages:
 
     @property
     def progress(self) -> StudyProgress:
-        """Number of the person's current step, and of all their steps."""
+        """Number of the person's current step, and number of all steps of the person."""
         run = self._conductor.progress.runs.get(self.person)
         if run is None or run.state is not RunState.UNDER_WAY:
             return StudyProgress()

@@ -298,7 +298,7 @@ def _playing(key: str, screen: Screen) -> Act | None:
 def _digit(digit: int, screen: Screen) -> Act | None:
     """Return the act of a digit.
 
-    If answers are numbered and no room number was begun, the digit is an answer; otherwise, part of a room number.
+    If answers are numbered and no room number was begun, the digit is an answer. Otherwise it belongs to a room number.
     """
     pop = screen.popup
     if not isinstance(pop, DialoguePopup) or not pop.numbered or screen.typed:

@@ -26,7 +26,7 @@ KEPT_SAMPLES = 64
 """Number of stored samples: 2.5 s at 25 Hz."""
 
 JUMP = 0.5
-"""Distance in meters between a robot and its expected place above which the robot counts as moved by hand.
+"""Distance in meters. A robot that is farther than this from its expected place counts as moved by hand.
 
 The screen then shows the new place at once.
 """
@@ -44,7 +44,7 @@ MAX_TURN_ACCELERATION = 25.0
 """Greatest angular acceleration of robots, rad/s²."""
 
 GAP = 2.0
-"""Simulated seconds between two samples above which playback restarts, as after a lost connection."""
+"""Simulated seconds between two samples. After a longer gap, playback restarts, as after a lost connection."""
 
 MAX_EXTRAPOLATION = 0.1
 """Simulated seconds for which robots are extrapolated without a new sample, at decreasing speed."""
@@ -269,7 +269,7 @@ class MotionPlayback:
 
 
 def _driven_on(late: float) -> float:
-    """Return the seconds at full speed by which robots are extrapolated, when the last sample is `late` seconds old."""
+    """Return the extrapolation of robots, in seconds at full speed, if the last sample is `late` seconds old."""
     late = min(max(late, 0.0), MAX_EXTRAPOLATION)
     return late - late * late / (2.0 * MAX_EXTRAPOLATION)
 

@@ -36,7 +36,7 @@ from ui.windows.map.item import CellImage
 from ui.windows.untrusted_text import title_text
 
 REACH = 12.0
-"""Greatest distance from a goal, corner or start pose at which a press grabs this point, pixels."""
+"""Distance in pixels. A press within this distance of a goal, corner or start pose grabs this point."""
 STEP = 0.1
 """Distance by which a key moves the chosen goal or start pose, meters."""
 TURN = np.pi / 12

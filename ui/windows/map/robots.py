@@ -32,10 +32,10 @@ TRAIL_ALPHA = 0.5
 """Opacity of a trail at its newest end."""
 
 LABEL_MARGIN = 40.0
-"""Greatest distance of a robot from the view at which the robot has a label in the view, pixels."""
+"""Distance from the view, pixels. Robots that are farther from the view have no label in the view."""
 
 JUMP = 1.0
-"""Distance between a robot's positions in two frames, above which the robot has jumped and not driven, meters."""
+"""Maximum distance that a robot drives between two frames, meters. If it moves farther, it has jumped."""
 
 FLAG = 20.0
 """Margin around a path with space for the flag at its end, pixels."""
@@ -49,7 +49,7 @@ _CIRCLE = polygon(np.stack((np.cos(_ROUND), np.sin(_ROUND)), axis=1))
 """Circle of radius 1."""
 
 _NOSE = np.array([[0.72, 0.0], [0.12, 0.42], [0.26, 0.0], [0.12, -0.42]])
-"""Arrowhead on a robot that points forward, in units of the body's reach."""
+"""Arrowhead that shows the forward direction of a robot, in units of the body's reach."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

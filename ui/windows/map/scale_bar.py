@@ -13,7 +13,8 @@ SHORTEST = 60.0
 """Smallest length of a bar, pixels at the usual size of text."""
 
 LONGEST = 2.5 * SHORTEST
-"""Greatest length of a bar, because each possible length is at most 2.5 times the previous length."""
+"""Maximum length of a bar, pixels at the usual size of text. Each length is at most 2.5 times the next shorter length.
+"""
 
 
 class ScaleBar(MapItem):

@@ -18,7 +18,7 @@ _SPARE = 50
 
 
 class TopStrip(ActionWidget):
-    """Strip with the score, time and remaining rooms, and with the tools to the right of them or, if narrow, below."""
+    """Strip with the score, time and remaining rooms. The tools are at its right or, if it is narrow, at its bottom."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)

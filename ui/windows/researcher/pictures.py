@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QWidget
 FRAMES_PER_SECOND = 25
 """Frames per second of a video. One second of the video shows one second of recorded time."""
 MOST_WAITING = 32 * 2**20
-"""Bytes in the queue to ffmpeg above which no new frame is drawn."""
+"""Maximum number of bytes in the queue to ffmpeg. While there are more bytes, no new frame is drawn."""
 NO_FFMPEG = "Videos need the program ffmpeg. Install ffmpeg (Debian: apt install ffmpeg), then save the video again."
 
 

@@ -162,7 +162,7 @@ def between_tests(name: str, rows: pd.DataFrame, factor: str) -> list[dict[str, 
 
 
 def interactions(name: str, rows: pd.DataFrame, inside: str, outside: str) -> list[dict[str, object]]:
-    """Return tests of the dependence of differences within people on the group."""
+    """Return tests of whether differences within people depend on the group."""
     wide = rows.pivot_table(index=["participant", outside], columns=inside, values="value", observed=True)
     results = []
     for a, b in combinations(wide.columns, 2):

@@ -36,7 +36,7 @@ from thbridge.mavlink.wire.extra_messages import CommandCancel
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 _REMEMBERED = 5 * TICKS_PER_SECOND
-"""Ticks after the answer to a command in which its repetition is recognized."""
+"""Ticks after the answer to a command. During this time, a repetition of the command is recognized."""
 
 _MOST_REMEMBERED = 64
 

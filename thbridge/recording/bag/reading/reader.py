@@ -220,7 +220,7 @@ def _named(
 def _in_order(
     reader: ChunkReader, chosen: Collection[ChunkInfo], wanted: Callable[[ChunkInfo], Collection[int]]
 ) -> Iterator[tuple[int, int, bytes]]:
-    """Yield connection number, stamp and bytes of messages of wanted connections, from some chunks of one file."""
+    """Yield connection number, stamp and bytes of each message on a wanted connection, from chunks of one file."""
     chunks = sorted(chosen, key=lambda chunk: (chunk.start_ns, chunk.position))
     # Chunks may overlap in time, so messages that are not before the next chunk wait here: stamp, chunk, offset,
     # number, turn.

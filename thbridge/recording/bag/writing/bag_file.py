@@ -24,9 +24,9 @@ NAMELESS = ".new"
 class ChunkFile:
     """A bag that grows by complete chunks. A chunk is written completely or, with an OSError, not at all.
 
-    Each chunk begins with the records of connections that are new to the file. So each connection has a message. With a
-    connection without messages, `rosbag info` may show a negative duration. Memory grows with the chunks, not with the
-    messages.
+    Each chunk begins with the records of connections that are new to the file. So each connection has a message. If
+    a connection had no messages, `rosbag info` might show a negative duration. Memory grows with the chunks, not with
+    the messages.
 
     Args:
         path: path of the file, which must not exist.

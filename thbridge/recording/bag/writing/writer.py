@@ -105,11 +105,11 @@ class BagWriter:
             self._add(topic, stamp_ns, data)
 
     def write_foreign(self, source: ForeignTopic, stamp_ns: int, data: bytes) -> None:
-        """Write one message of another node; raises as `write` does."""
+        """Write one message of another node. Raise the same errors as `write`."""
         self._add(source, stamp_ns, data)
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
-        """Write the messages of a tick, and sync if that is due; raises as `write` does."""
+        """Write the messages of a tick, and sync if that is due. Raise the same errors as `write`."""
         kept = self._keep(messages)
         if kept:
             topics, stamps, data, _ = zip(*kept, strict=True)
@@ -124,7 +124,7 @@ class BagWriter:
         """Force everything onto the disk if `SYNC_SECONDS` have passed. Call this at much shorter intervals.
 
         Raises:
-            BagNotWritten: as `write` does.
+            BagNotWritten: for the same reasons as `write`.
         """
         if not self._open:
             return

@@ -25,8 +25,8 @@ from thbridge.roles.shared.participant_rules import Discussed, Situation, free_t
 _MOST_ROOMS_COMPARED = {1: 17, 2: MOST_ROOMS_OF_A_TEAM, 3: 14, 4: 13}
 """Largest number of remaining rooms for a comparison of all plans, by number of robots. For more robots, it is 12.
 
-The game waits for the advice. Up to this number, the comparison takes at most 0.5 s. This includes the values of all
-other next rooms, which arguments need. For more rooms, a heuristic search takes the same time.
+The game waits for the advice. Up to this number, the comparison takes at most 0.5 s. This time includes the values of
+all other next rooms, because arguments need these values. For more rooms, a heuristic search takes the same time.
 """
 _EXACT = frozenset({TeamPlanner.JOINT, TeamPlanner.TOUR})
 """Planners with optimal tours, for the team or for a single robot."""
@@ -66,8 +66,8 @@ class Adviser:
     """Adviser that computes the robots' suggestions, with the settings of the study.
 
     Wrong advice is chosen by keyed noise of the game, the robot and the number of the advice. If wrong advice is
-    possible, the only reason is the cost of the room. A comparison with other rooms would be false or would reveal the
-    error.
+    possible, reasons mention only the cost of the room. A comparison with other rooms would be false or would reveal
+    the error.
 
     Attributes:
         planner: planner that chooses the room.
@@ -192,7 +192,7 @@ def can_compare(rooms: Collection[Room], robots: Collection[object]) -> bool:
 def tours_sending_first(
     planner: TeamPlanner, costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
 ) -> tuple[Tour, ...]:
-    """Return the tours of a plan that sends the first robot, if this robot has energy for any room.
+    """Return the tours of a plan. If the first robot has energy for any room, the plan sends it to a room.
 
     Results are cached: a robot's suggestions and arguments use the same plan, and a wizard sees the advice in every
     tick.

@@ -37,9 +37,9 @@ CONSENT_SENTENCES = {
 class ConsentAnswer:
     """The consent of the present participant.
 
-    Consent before a game is stored for this game. A refusal is final for the program that sends it; only another
-    program is asked again. Consent is also valid for later games, until another program joins after the end of a game.
-    This program may belong to another person, who is asked before they see any game data.
+    If consent is given before a game, it is stored for this game. A refusal is final for the program that sends it;
+    only another program is asked again. Consent is also valid for later games, until another program joins after the
+    end of a game. This program may belong to another person, who is asked before they see any game data.
 
     Args:
         asked: True if the study has a consent text.

@@ -19,7 +19,10 @@ def goal_id(goal: GoalId) -> bytes:
 
 @lru_cache(maxsize=1024)
 def _status(entry: GoalStatus) -> bytes:
-    """Encode actionlib_msgs/GoalStatus. A cache is used: lists repeat it five times per second, feedback ten times."""
+    """Encode actionlib_msgs/GoalStatus.
+
+    Results are cached, because lists repeat a status five times per second, and feedback ten times per second.
+    """
     return goal_id(entry.goal) + bytes((entry.status,)) + string(entry.text)
 
 

@@ -23,7 +23,7 @@ PAUSE = 700
 """Milliseconds without typing, after which the typed text is reported."""
 
 LIMIT_WARNING = 10
-"""Seconds before the end of a time limit at which a screen reader announces the remaining seconds."""
+"""Remaining seconds of a time limit. When only these seconds remain, a screen reader announces them."""
 
 What = Literal["shown", "touched", "changed", "given", "pasted", "timed out"]
 

@@ -19,9 +19,9 @@ from ui.windows.look import follow_text, font, label, px
 from ui.windows.untrusted_text import shown
 
 LATE = 1.0
-"""Seconds after the beginning of a session, after which a window counts as connected late."""
+"""Seconds after the beginning of a session. A window that connects later counts as connected late."""
 LIVE_SECONDS = 60.0
-"""Number of last seconds of a running session that the plots show until a person moves along the time axis."""
+"""Plots of a running session show this number of the latest seconds until a person moves along the time axis."""
 _UNBOUNDED = 16_777_215.0
 """Qt's maximum height of a widget."""
 LEAST_HEIGHT = 112
@@ -91,7 +91,7 @@ PANELS = (
 )
 BAND = "band"
 TimeRange = Literal["all", "end", "free"]
-"""Range of the time axis: the whole time, the moving end, or a part that a person chose."""
+"""Range of the time axis: the whole time, the latest part, or a part that a person chose."""
 
 
 class Plots(QWidget):
@@ -100,11 +100,12 @@ class Plots(QWidget):
     A band behind the error shows two standard deviations of the selected robot. Plots of topic numbers are below the
     plots of robots. A plot without a curve is hidden.
 
-    A click goes to a time. Dragging and the mouse wheel move along the time axis; a double click shows the whole time.
+    A click in a plot selects the time to show. Dragging and the mouse wheel move along the time axis; a double click
+    shows the whole time.
 
     Args:
         palette: the colors.
-        live: True for a running session, whose end moves.
+        live: True for a running session, because its end moves.
 
     Signals:
         seek: a person wants to go to this time; seconds since the beginning.
