@@ -64,8 +64,8 @@ class TeamSnapshot:
             because their truth is unknown.
         robots: outputs of the robots, in the team's order.
         commands: (n, 2) m/s and rad/s given to the motors in this tick, by navigators or by hand.
-        dead: indices of dead robots, which perceive, broadcast and do nothing. Their entries are from the last tick
-            before their death.
+        dead: indices of dead robots. They perceive nothing, broadcast nothing and do nothing. Their entries are
+            from the last tick before their death.
     """
 
     tick: int
@@ -110,7 +110,7 @@ class _Broadcasts:
         return tuple(output.neighbour for output in self._outputs.values())
 
     def others(self, robot: int) -> tuple[Neighbour, ...]:
-        """Return the broadcasts of the other robots. Slices are fast, and many robots ask in each tick."""
+        """Return the broadcasts of the other robots. This is fast, because many robots call it in each tick."""
         heard = self._all
         own = bisect_left(self._robots, robot)
         return heard[:own] + heard[own + 1 :] if robot in self.claims else heard

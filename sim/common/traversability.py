@@ -124,7 +124,7 @@ class CrowdedFloor:
         self._areas = _areas((floor.clearance > floor.inscribed) & (self._robots == 0))
 
     def are_connected(self, cells: Sequence[tuple[int, int]]) -> bool:
-        """Return True if an additional robot could drive from each of these cells to all other cells of them."""
+        """Return True if an additional robot could drive between any two of these cells."""
         areas = {int(self._areas[cell]) for cell in cells}
         return areas <= {0} if not cells else len(areas) == 1 and 0 not in areas
 

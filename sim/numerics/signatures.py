@@ -27,7 +27,7 @@ def missing(*, before_moves: bool) -> list[str]:
     """Return the recorded calls that have no stored code, or only damaged code.
 
     Args:
-        before_moves: True for only the calls in the first tick, when no robot has a goal yet.
+        before_moves: True to return only the calls in the first tick, when no robot has a goal yet.
     """
     asked = (call for call in recorded_calls() if not (before_moves and json.loads(call)["moves"]))
     return [call for call in asked if read(kept_at(call)) is None]

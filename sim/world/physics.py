@@ -1,7 +1,8 @@
 """Physics of differential-drive robots: they move, touch walls and each other, and measure their wheels' rotation.
 
-A tick is one call of a compiled kernel for all robots. Robots move one after another in the team's order, each
-against the present bodies of the others. So no two robots ever overlap, and no robot has to wait for another robot.
+A tick is one call of a compiled kernel for all robots. Robots move one after another in the team's order. Each
+robot touches the present bodies of the other robots. So no two robots ever overlap, and no robot has to wait for
+another robot.
 """
 
 import math
@@ -129,7 +130,7 @@ def _touches(
     margin: float,
     touched: BoolArray,
 ) -> tuple[bool, bool, bool]:
-    """Return whether a robot's body overlaps, or comes within `margin` meters of, walls, other robots, and things.
+    """Return, for walls, other robots and things, True if a robot's body overlaps them or is within `margin` meters.
 
     Args:
         robot: index of the robot.
@@ -331,7 +332,7 @@ class World:
         )
 
     def start(self, poses: Sequence[Pose2]) -> WorldState | Misplaced:
-        """Return tick 0 with all robots at rest at these poses (map frame) and zero odometry.
+        """Return the world at tick 0: all robots are at rest at these poses (map frame), with zero odometry.
 
         If a pose is impossible, return the reason.
         """

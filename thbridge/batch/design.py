@@ -179,7 +179,7 @@ def read_design(path: Path) -> SweepDesign:
 MOST_GAMES = 10_000_000
 """Largest number of games in a sweep. They need about one year on twenty cores."""
 MOST_FAULTS = 10
-"""Number of faults in conditions after which reading stops."""
+"""Reading stops after this number of faults in conditions."""
 
 
 def _check(loaded: Loaded[SweepFile]) -> None:

@@ -1,9 +1,9 @@
 """Dialogues in which a robot argues: persuasion and information-seeking about the decisions of the hunt.
 
 One dialogue of the participant with a robot is a sequence of dialogue games about one decision. A wish of the
-participant opens a persuasion; "I don't know" opens an information-seeking. If a game ends without an agreement, the
-participant may open the next game. Between the games the participant may ask for explanations, which have no effect on
-the dialogue.
+participant opens a persuasion dialogue; "I don't know" opens an information-seeking dialogue. If a game ends without an
+agreement, the participant may open the next game. Between the games the participant may ask for explanations, which
+have no effect on the dialogue.
 """
 
 from collections.abc import Mapping
@@ -260,7 +260,7 @@ class ArguingEngine:
         return replace(told, conversation=dialogue.conversation)
 
     def _heard(self, dialogue: Dialogue, move: Move) -> Move:
-        """Return the move that the robot understands. With the probability of mishearing, this is a different move."""
+        """Return the move that the robot understands. If the robot mishears (at random), this is another move."""
         rate = self._possible.manner(dialogue.topic.robot).misheard
         others = [
             each

@@ -40,7 +40,7 @@ class Manner:
         talkative: True if the robot gives its arguments part by part, so that the other side accepts or refuses each
             part. False if the robot gives each argument as a whole.
         gives_reasons: True if the robot answers questions for reasons, and gives reasons when it refuses.
-        misheard: probability that the robot understands another legal move than the participant made.
+        misheard: probability that the robot mishears the participant's move as another legal move.
     """
 
     condition: DialogueCondition = DialogueCondition.COLLABORATOR

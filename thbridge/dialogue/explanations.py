@@ -80,7 +80,7 @@ def _rival(facts: WhereFacts | WhatFacts, evidence: Evidence, claim: Literal) ->
 def _best_argument(evidence: Evidence, conclusion: Literal) -> Argument | None:
     """Return the argument that is based on the best evidence.
 
-    Among arguments based on equal evidence, choose an argument with comparisons, because it says most.
+    Among arguments based on equal evidence, choose an argument with comparisons, because comparisons explain more.
     """
     found = evidence.beliefs.arguments(conclusion)
     prefers = evidence.beliefs.prefers

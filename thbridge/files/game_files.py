@@ -319,7 +319,7 @@ def _course_faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile
 
 
 def _stage_faults(loaded: Loaded[_GameYaml], names: Collection[str]) -> Iterator[BadFile]:
-    """Yield faults of stages that are never reached, and of stages that lead to no end."""
+    """Yield faults of stages that are never reached, and of stages from which no end can be reached."""
     written = loaded.value
     after = {
         stage.name: {to for reply in stage.replies for to in (reply.next, reply.last, reply.questioned) if to}

@@ -442,7 +442,7 @@ def _doubles(of_folder: Iterable[Loaded[_WordsYaml]]) -> Iterator[BadFile]:
 
 
 def _lacking(folder: Path, language: Language, locutions: Sequence[Locution]) -> Iterator[BadFile]:
-    """Yield faults of words that a language and its fallback languages lack."""
+    """Yield a fault for each word that a language and its fallback languages lack."""
     or_fall_back = "or let the language fall back on another language"
     for name, predicate in PREDICATES.items():
         robots = (None,) if predicate.robot is None else tuple(AboutRobot)

@@ -3,7 +3,7 @@
 The routing rules are those of MAVLink. A message without a target goes to all links and vehicles. A message with a
 target goes only to links on which frames of that target arrived. No message goes back to its origin. If frames of one
 sender arrive on two links, another program joins these links. Then no message of this sender is forwarded to these
-links. Otherwise the message would circle.
+links. Otherwise the message would circulate without end.
 
 Source: the MAVLink developer guide, "Routing".
 """

@@ -38,7 +38,7 @@ SKIPPED = 0.2
 NEARER = 20.0
 """Allowed additional distance of a start from the middle for each meter of additional distance from walls, meters."""
 MOST_TRIED = 400
-"""Maximum number of candidates for start poses. After these, the search returns fewer poses than requested."""
+"""Maximum number of candidates for start poses. If they are not enough, the search returns fewer poses."""
 
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)

@@ -28,7 +28,7 @@ SCANS = ("scan", "base_scan", "scan_filtered")
 """Usual topics of lasers for localization, the most usual topic first."""
 BASE_FRAMES = ("base_footprint", "base_link")
 LEVEL = math.radians(10)
-"""Tilt above which a laser does not measure in the plane of the map, radians."""
+"""Maximum tilt of a laser that measures in the plane of the map, radians."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

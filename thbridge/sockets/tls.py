@@ -21,7 +21,8 @@ from thbridge.files.keys.key_file import ClientKey
 _HANDSHAKE = b"\x16"
 """First byte of a TLS connection: the type of its first record (RFC 8446, 5.1)."""
 _FIRST_BYTE_SECONDS = 1.0
-"""Seconds of silence after which a connection counts as plain. Programs of 2016 may wait for the server to speak."""
+"""A connection counts as not encrypted if its client sends nothing for this number of seconds. Programs of 2016 may
+wait for the server to speak."""
 _HANDSHAKE_SECONDS = 10.0
 _SHUTDOWN_SECONDS = 1.0
 

@@ -81,7 +81,8 @@ def stopping(on_stop: Callable[[], None] = _pass) -> Iterator[asyncio.Event]:
 def _standing_spared() -> Iterator[None]:
     """Exclude the present objects (modules, compiled code) from garbage collection.
 
-    These objects are never freed. A full collection would take the time of several ticks during a session.
+    These objects are never freed. During a session, a full garbage collection with them would take the time of several
+    ticks.
     """
     gc.freeze()
     try:

@@ -11,7 +11,7 @@ from sim.common.observations import TICK
 from thbridge.timing.pacer import Pacer
 
 LATE = 0.1
-"""Delay in seconds above which a tick counts as late. People notice a delay of 0.1 s."""
+"""A tick counts as late if its delay is above this, seconds. People notice a delay of 0.1 s."""
 
 TOLERANCE = 0.05
 """Largest difference in seconds between times in a `GamePace` and measured times."""

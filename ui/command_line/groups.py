@@ -81,8 +81,8 @@ def paths_of(commands: Mapping[str, str]) -> dict[str, str]:
     """Return the path of each command.
 
     Args:
-        commands: for each beginning of a path, the names of commands, separated by blanks. The beginning followed by
-            the name is the path of the command's function.
+        commands: for each beginning of a path, the names of commands, separated by blanks. The path of a command's
+            function consists of this beginning and the command's name.
     """
     return {name: start + name.replace("-", "_") for start, names in commands.items() for name in names.split()}
 

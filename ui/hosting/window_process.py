@@ -15,9 +15,9 @@ WINDOW = (*THBRIDGE, "tabui", "--hosted")
 """Command that opens the participant's window."""
 
 MAX_CRASHES = 3
-"""Number of crashes in a row after which the window is not opened again."""
+"""After this number of crashes in a row, the window is not opened again."""
 ROW_ENDS = 60.0
-"""Seconds after which the number of crashes in a row restarts at 0, if the window has stayed open."""
+"""If the window stays open for this number of seconds, the number of crashes in a row restarts at 0."""
 
 
 class WindowProcess(Generic[FromHostT, FromWindowT]):

@@ -36,7 +36,7 @@ _MESSAGES_KEPT = 512
 _PIECE = 100
 """Greatest number of messages in one piece of a scan. Reading a piece takes some milliseconds."""
 _LOG_SHARE = 0.1
-"""Share of a scan's work for reading the log; the rest is for the series."""
+"""Share of a scan's progress that belongs to the log; the rest belongs to the series."""
 
 
 def open_bag(path: Path) -> Generator[float, None, "BagSource"]:

@@ -62,7 +62,7 @@ class PlottedField:
 
 @dataclass(slots=True)
 class _CurveParts:
-    """Curve of a number that is being read, as pieces of times and values that are joined on demand."""
+    """Curve of a number while it is read: pieces of times and values, which `joined` joins."""
 
     pieces: list[tuple[FloatArray, FloatArray]] = field(default_factory=list)
 

@@ -71,10 +71,10 @@ class PlannerLimits:
         oscillation_reset_dist: distance after which a robot may turn in the opposite direction, meters.
         sim_time: duration of a rollout, seconds.
         sim_granularity: distance between the points of a rollout, meters.
-        xy_goal_tolerance: tolerance of the position, meters. `yaw_goal_tolerance` is that of the heading, radians.
+        xy_goal_tolerance: tolerance of the position, meters. `yaw_goal_tolerance` is for the heading, radians.
         latch_xy_goal_tolerance: True if a robot that has reached the goal only turns from then on.
-        trans_stopped_vel: velocity below which a robot counts as standing, m/s. `theta_stopped_vel` is that of turns,
-            rad/s.
+        trans_stopped_vel: velocity below which a robot counts as standing, m/s. `theta_stopped_vel` is the limit for
+            turns, rad/s.
     """
 
     acc_lim_x: float

@@ -79,7 +79,7 @@ class TrajectoryCost(NamedTuple):
 
 @njit(cache=True)
 def surely_free(body: RobotBody, scale: float) -> int:
-    """Return a cost at the center. Below it, the scaled footprint with COMFORT touches nothing at any heading."""
+    """Return a cost. If the center has a lower cost, the scaled footprint with COMFORT is free at any heading."""
     # Because of inflation, the cost at the center shows the distance to the nearest obstacle.
     radius = body.circumscribed * scale + 1.5 * COMFORT
     if radius >= body.inflation_radius:
@@ -172,7 +172,7 @@ def trajectory_cost(
 
 @njit(cache=True)
 def outline_free(costs: Costs, frame: CostFrame, footprint: FloatArray, poses: FloatArray, free: int) -> bool:
-    """Return True if a footprint touches nothing at all (k, 3) poses but the first. See `surely_free` for `free`."""
+    """Return True if a footprint touches nothing at the (k, 3) poses after the first. See `surely_free` for `free`."""
     for i in range(1, poses.shape[0]):
         x, y, theta = poses[i]
         row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
@@ -199,7 +199,7 @@ def comfortable(costs: Costs, frame: CostFrame, body: RobotBody, poses: FloatArr
 
 @njit(cache=True)
 def command_safe(around: Surroundings, body: RobotBody, now: MotionState, wanted_v: float, wanted_w: float) -> bool:
-    """Return True if a command leaves room to stop (`sim.robot.local_planning.braking.safe`)."""
+    """Return True if the robot can still stop in time after a command (`sim.robot.local_planning.braking.safe`)."""
     return safe(
         around, body.footprint, body.outline, now.x, now.y, now.theta, now.v, now.w, wanted_v, wanted_w, body.hold,
         body.acc_lim_x, body.acc_lim_theta, body.margin,

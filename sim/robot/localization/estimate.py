@@ -32,7 +32,7 @@ class Estimate:
             or if the localizer does not compute it.
         p_wrong: probability that the pose is wrong (`wrong_pose`), 0 to 1, as of the last used scan. None before the
             first scan, or if the localizer does not compute it.
-        fault: failure of an installed localizer in this tick. Empty without a failure. After a failure the robot is
+        fault: failure of an installed localizer in this tick. Empty if nothing failed. After a failure the robot is
             lost.
     """
 
@@ -69,7 +69,10 @@ def read_only(array: FloatArray) -> FloatArray:
 
 @njit(cache=True)
 def propagated(corrections: FloatArray, odometry: FloatArray) -> FloatArray:
-    """Return (n, 3) poses in the map, from poses of odom in the map and poses in odom. Same bits as `Pose2.compose`."""
+    """Return (n, 3) poses in the map, from poses of odom in the map and poses in odom.
+
+    The bits are the same as with `Pose2.compose`.
+    """
     out = np.empty_like(odometry)
     for i in range(odometry.shape[0]):
         c, s = elementary.cos_sin(corrections[i, 2])

@@ -57,7 +57,7 @@ def elsewhere(poses: FloatArray, x: float, y: float, theta: float) -> NDArray[np
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FreeSpace:
-    """The free cells of a map. If the map has none, all cells that are not occupied.
+    """The free cells of a map. If the map has no free cells, these are all cells that are not occupied.
 
     Attributes:
         grid: the map.

@@ -2,8 +2,8 @@
 
 filterpy multiplies matrices with numpy's `dot`. For arrays of floats, `dot` calls BLAS, and its last bits depend on the
 processor. If one factor is an array of Python objects, `dot` multiplies and adds Python floats in a fixed order, and
-the product is again an array of objects. So Jacobians and inverses are passed to filterpy as arrays of objects. Each of
-filterpy's products contains one of them. All other operations in filterpy's filters are elementwise.
+the product is again an array of objects. So Jacobians and inverses are passed to filterpy as arrays of objects. Each
+product in filterpy has such an array as a factor. All other operations in filterpy's filters are elementwise.
 
 Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), tables 3.3 and 3.4; van der Merwe, Sigma-point Kalman
 filters for probabilistic inference (2004), for the scaled sigma points.

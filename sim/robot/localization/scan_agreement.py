@@ -7,8 +7,8 @@ MIN_AGREEMENT = 0.7
 At four of five wrong places, the map explains a smaller share."""
 
 DOUBT_RATIO = 0.9
-"""Minimum ratio to the usual agreement in the long run. Places that look alike usually differ by one or two doorways,
-so at a wrong place the ratio is lower."""
+"""Minimum ratio of the agreement in the long run to the usual agreement. Places that look alike usually differ by one
+or two doorways, so at a wrong place the ratio is lower."""
 
 FOUND_RATIO = 0.93
 """Minimum ratio of the agreement at a pose to the usual agreement, for a lost robot to count as found there."""
@@ -16,9 +16,9 @@ FOUND_RATIO = 0.93
 MOST_OF_ONE_SCAN = 0.25
 """Maximum effect of a single scan against the pose, because the scan itself may be misleading."""
 MISFIT_OF_A_LOST_ROBOT = 1.0
-"""Limit of a sum. If the sum reaches the limit, the pose cannot be right. Each scan adds the difference between the minimum agreement and
-its own agreement. Four scans that do not fit at all reach the limit, or ten scans with three fifths explained by the
-map. Scans above the minimum reduce the sum.
+"""Limit of a sum. If the sum reaches the limit, the pose cannot be right. Each scan adds the difference between the
+minimum agreement and its own agreement. Four scans that do not fit at all reach the limit, or ten scans with three
+fifths explained by the map. Scans above the minimum reduce the sum.
 
 Source: Page, Continuous inspection schemes (1954).
 """

@@ -1,7 +1,7 @@
 """Probability that a localizer's pose is wrong: a logistic model with features of the filter's own state.
 
 `scripts/fit_wrong_pose.py` fits the coefficients (`wrong_pose_coefficients`) to simulated runs. It checks them on other
-runs: among all updates that report the probability p, about a share p of the poses is wrong.
+runs: among all updates that report the probability p, the share of wrong poses is about p.
 """
 
 import math
@@ -14,9 +14,9 @@ from sim.numerics.float_array import FloatArray
 from sim.robot.localization.hypothesis import Hypothesis
 
 WRONG_DISTANCE = 1.0
-"""Distance from the true position above which a pose is wrong, meters."""
+"""A pose is wrong if its distance from the true position is above this, meters."""
 WRONG_TURN = 0.5
-"""Angle to the true heading above which a pose is wrong, radians."""
+"""A pose is wrong if its angle to the true heading is above this, radians."""
 
 _LEAST_EXPLAINED = 0.9
 """Share of a scan that the map usually explains at a right pose. Only a smaller share is evidence against a pose."""

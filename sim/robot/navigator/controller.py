@@ -100,7 +100,7 @@ class Controller:
         self.pending = seen
 
     def update_costmap(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
-        """Update the costmap by the last scan and the other robots."""
+        """Update the costmap with the last scan and the other robots."""
         if self.pending is not None:
             self.costmap.observe(self.pending)
             self.pending = None

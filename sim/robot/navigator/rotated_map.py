@@ -30,11 +30,11 @@ class RotatedMap:
         self.grid = OccupancyGrid(static.cells, static.resolution, IDENTITY) if self._turned else static
 
     def pose_in_grid(self, in_map: Pose2) -> Pose2:
-        """Convert a pose from the map's frame to the grid's."""
+        """Convert a pose from the map's frame to the grid's frame."""
         return self._map_in_grid.compose(in_map) if self._turned else in_map
 
     def neighbours_in_grid(self, in_map: Sequence[Neighbour]) -> Sequence[Neighbour]:
-        """Convert the broadcasts of other robots from the map's frame to the grid's."""
+        """Convert the broadcasts of other robots from the map's frame to the grid's frame."""
         if not self._turned:
             return in_map
         return [

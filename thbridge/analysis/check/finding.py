@@ -19,7 +19,10 @@ K = TypeVar("K")
 
 
 class BagTool(StrEnum):
-    """Tool for which bags are checked. `rosbag` means info, play, check, reindex and the topics that play publishes."""
+    """Tool for which bags are checked.
+
+    `rosbag` means its commands info, play, check and reindex, and the topics that its command play publishes.
+    """
 
     ROSBAG = "rosbag"
     RVIZ = "rviz"

@@ -45,7 +45,7 @@ def _with_last(odometry: FloatArray, recorded: FloatArray, corrections: FloatArr
 
 
 def _moved(odometry: FloatArray, correction: FloatArray) -> FloatArray:
-    """Return (n, 4) time and base in map of odometry poses, given a correction for each."""
+    """Return (n, 4) time, x, y and heading in the map of odometry poses, given a correction for each pose."""
     c, s = elementary_arrays.cos(correction[:, 3]), elementary_arrays.sin(correction[:, 3])
     x = correction[:, 1] + c * odometry[:, 1] - s * odometry[:, 2]
     y = correction[:, 2] + s * odometry[:, 1] + c * odometry[:, 2]
@@ -85,6 +85,6 @@ def pieces(path: FloatArray, cuts: FloatArray) -> list[FloatArray]:
 
 
 def distance(path: FloatArray, cuts: FloatArray) -> float:
-    """Return the length in meters of the pieces of a path of rows time, x, y, ..."""
+    """Return the total length of the pieces of a path, meters. Its rows are time, x, y, ..."""
     steps = (elementary_arrays.hypot(np.diff(piece[:, 1]), np.diff(piece[:, 2])) for piece in pieces(path, cuts))
     return math.fsum(float(each.sum()) for each in steps)

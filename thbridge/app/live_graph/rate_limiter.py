@@ -8,7 +8,7 @@ from thbridge.sockets.warn_once import WarnOnce
 REQUESTS_PER_TICK = 10
 """Largest number of requests of one client on one topic between two ticks.
 
-This is 500 requests per second, ten times as many as robots need.
+This is 500 requests per second. Robots need a tenth of this number.
 """
 
 _log = logging.getLogger(__name__)

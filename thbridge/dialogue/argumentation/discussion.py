@@ -4,8 +4,8 @@ Source: Caminada 2015, A Discussion Game for Grounded Semantics, TAFA.
 
 A proponent states that an argument has to be the case (HTB). An opponent states that an attacker of this argument can
 be the case (CB). The proponent then attacks the attacker. The opponent concedes arguments that have no attacker left,
-and retracts arguments that a conceded argument attacks. No argument may be stated twice. The proponent can win exactly
-for the arguments in the grounded extension.
+and retracts arguments that a conceded argument attacks. No argument may be stated twice. The proponent can win for
+an argument if and only if the argument is in the grounded extension.
 """
 
 from collections.abc import Sequence

@@ -19,8 +19,8 @@ class Picture:
     """Picture that an agent has of another agent j, from j's statements and moves: Gamma(j).
 
     Attributes:
-        held: literals that agent j is taken to hold.
-        rules: rules that agent j is taken to hold.
+        held: literals that agent j is assumed to hold.
+        rules: rules that agent j is assumed to hold.
         unknown: propositions about which agent j has shown that it knows nothing.
         arguments: arguments that one side has put forward to the other side.
         argued: conclusions for which agent j is assumed to have an argument.
@@ -71,7 +71,7 @@ class Picture:
         return replace(self, argued=self.argued | {conclusion})
 
     def has_argument(self, conclusion: Belief, rules: Iterable[Rule] = ()) -> bool:
-        """Return True if agent j is taken to have an argument for this conclusion.
+        """Return True if agent j is assumed to have an argument for this conclusion.
 
         Args:
             conclusion: conclusion of the argument.
@@ -100,9 +100,9 @@ class Agent:
     store: tuple[DialogueMove, ...] = ()
 
     def proposals(self, proposition: Proposition) -> tuple[Rule, ...]:
-        """Return the rules about a proposition that it holds, and the rules that correspond to its arguments about it.
+        """Return the agent's rules about a proposition, and a rule for each of its arguments about the proposition.
 
-        Such a rule leads from the literals of an argument to its conclusion; the rest of the argument is the support of
+        The rule for an argument leads from its literals to its conclusion; the rest of the argument is the support of
         the rule.
         """
         rules = [rule for rule in self.beliefs.rules if matter_of(rule) == proposition]

@@ -1,4 +1,4 @@
-"""Contents of moves in dialogue games: literals, rules, arguments, and not knowing."""
+"""Contents of moves in dialogue games: literals, rules, arguments, and "I do not know"."""
 
 from dataclasses import dataclass
 from enum import StrEnum

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class TrialFault:
-    """Fault of a lab's program, as first found.
+    """Fault of a lab's program, with the context in which it was first found.
 
     Attributes:
         problem: the problem as a clause.

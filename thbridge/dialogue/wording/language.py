@@ -131,7 +131,8 @@ class MoveWording:
         speaker: the side that makes the move.
         condition: condition of a study in which the entry applies. If None, the entry applies in all conditions.
         of: predicate to which the entry applies. If None, the entry applies to all predicates.
-        holds: True for affirmed propositions only, False for negated ones only. If None, the entry applies to both.
+        holds: True for affirmed propositions only, False for negated propositions only. If None, the entry applies to
+            both.
         robot: robot that the proposition must be about. If None, the robot does not matter.
         say: the wordings, at least one.
     """
@@ -233,7 +234,7 @@ class Language:
 
 
 def _most_specific(entries: Iterable[_Entry], case: tuple[object, ...]) -> _Entry | None:
-    """Return the entry that fits a case with the most conditions; the first part of a case weighs most."""
+    """Return the most specific entry for a case. A condition on an earlier part of the case counts more."""
     best: _Entry | None = None
     for entry in entries:
         fits = all(wanted is None or wanted == given for wanted, given in zip(entry.narrowing, case, strict=True))

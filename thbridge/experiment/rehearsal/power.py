@@ -36,7 +36,7 @@ LEVEL = 0.05
 WARM = ("thbridge.experiment.rehearsal.power",)
 """Modules that workers import before their first task."""
 MOST_DEATHS = 3
-"""Number of crashed workers at one rehearsal after which the estimate stops, because all workers would crash."""
+"""After this number of crashed workers at one rehearsal, the estimate stops, because all workers would crash."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,7 +32,7 @@ class PendingWithdrawal:
 class PendingWithdrawals:
     """List of unfinished withdrawals in a file. The file exists only if the list is not empty.
 
-    A withdrawal is in the file before its deletions start, until all of them are done.
+    A withdrawal is added to the file before its deletions start, and removed after all of them are done.
 
     Args:
         path: path of the file.

@@ -275,7 +275,7 @@ async def _bound(given: Address, own_for: Callable[[SocketAddress, int], SocketA
 
 
 def _local(host: str, family: int) -> str:
-    """Return the own address to which a socket must be bound to reach a host."""
+    """Return the address of this machine to which a socket must be bound to reach a host."""
     if ipaddress.ip_address(host.partition("%")[0]).is_loopback:
         return host
     return "::" if family == socket.AF_INET6 else "0.0.0.0"

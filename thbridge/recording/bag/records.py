@@ -19,7 +19,7 @@ from thbridge.ros.messages.identification import DefinitionSource
 MAGIC = b"#ROSBAG V2.0\n"
 HEADER_BYTES = 4096
 """Size of header and padding of the first record, without its two length words. rosbags includes these words; ROS 1
-does not. ROS 1's `reindex` overwrites exactly as many bytes as ROS 1 would have written."""
+does not. ROS 1's `reindex` overwrites exactly the number of bytes that ROS 1 writes."""
 
 U32 = Struct("<I")
 _U64 = Struct("<Q")

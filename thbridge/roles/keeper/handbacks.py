@@ -28,7 +28,7 @@ class RecentHandbacks:
                 self._asked.pop(robot, None)
 
     def advance(self, tick: int) -> bool:
-        """Remove old requests. Return True if there were any."""
+        """Remove old requests. Return True if a request was removed."""
         before = len(self._asked)
         self._asked = {robot: asked for robot, asked in self._asked.items() if tick - asked < _ASK_AGAIN}
         return len(self._asked) < before

@@ -116,7 +116,7 @@ class OpenGame:
         ]
 
     def apply_ruling(self, request: str, ruling: rules.Ruling) -> bool:
-        """Record the events of a ruling, or store its refusal for the view. Return True for events."""
+        """Record the events of a ruling, or store its refusal for the view. Return True if events were recorded."""
         if isinstance(ruling, RequestRefused):
             self.refuse(request, ruling)
             return False

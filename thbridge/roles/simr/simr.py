@@ -40,7 +40,8 @@ STATUS_PERIOD = TICKS_PER_SECOND
 """Number of ticks between two statuses. A status is also sent if a move, a condition or a researcher changes."""
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND
-"""Number of ticks for which a `%%goto` waits for a keeper. If there are no orders then, SimR obeys it as in 2016."""
+"""Number of ticks for which a `%%goto` waits for a keeper. If the keeper sends no orders in this time, SimR obeys the
+`%%goto` as in 2016."""
 
 RESPONSE_TIMEOUT = 5 * TICKS_PER_SECOND
 """Default number of ticks without observations after which a robot counts as silent."""

@@ -14,7 +14,7 @@ class RosClock:
     """Time of a ROS graph.
 
     Args:
-        simulated: True if the time is that of `/clock`. False if it is wall time.
+        simulated: True if the time comes from `/clock`. False if it is wall time.
     """
 
     def __init__(self, simulated: bool) -> None:

@@ -23,8 +23,8 @@ _FIRST_PAUSE = 0.1
 _LAST_PAUSE = 2.0
 
 _REPORTED_MISSES = 2
-"""Number of consecutive calls without an answer after which the loss is reported. A single call may be lost, or may
-arrive before the master is ready."""
+"""Number of consecutive calls without an answer that cause a warning. A single call may be lost, or may arrive before
+the master is ready."""
 
 _FAREWELL_SECONDS = 3.0
 """Maximum time in seconds for all calls that remove the node's registrations."""
@@ -133,7 +133,10 @@ class Registrar:
         self._complaints = WarnOnce(_log)
 
     def add(self, registration: Registration, registered: Callable[[XmlRpcValue], None]) -> None:
-        """Add a registration with this and every later master. `registered` is called with each master's answer."""
+        """Add a registration for the present master and every later master.
+
+        `registered` is called with each master's answer.
+        """
         self._wanted[registration] = registered
         self._settled.clear()
         self._woken.set()

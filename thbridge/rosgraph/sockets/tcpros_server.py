@@ -141,7 +141,11 @@ class TcprosServer:
         return [connection for each in self.publications.values() for connection in each.connections()]
 
     def admit(self, connection: _Inbound) -> bool:
-        """Accept a new connection. If there are too many, close one that is not a subscriber's, or reject it."""
+        """Accept a new connection.
+
+        If there are too many connections, close a connection that is not a subscriber's. If there is no such
+        connection, reject the new connection.
+        """
         most = self._door.most
         crowded = self._addresses[connection.address] >= most * 3 // 4
         if crowded or len(self._connections) >= most:

@@ -34,7 +34,7 @@ class ParameterUpdate:
 
     Args:
         subscription: the subscribed key. It ends with a slash.
-        key: the changed key. It is the subscribed key, or above or below it, and ends with a slash.
+        key: the changed key: the subscribed key, a key above it, or a key below it. It ends with a slash.
         value: the new value. After a deletion, it is an empty dict.
         own: True if the node that has made the change must not be notified.
     """

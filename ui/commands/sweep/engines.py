@@ -70,7 +70,7 @@ def is_open_to_others(scheduler: str) -> bool:
 
 @contextmanager
 def stopped_by_sigterm() -> Iterator[None]:
-    """Handle SIGTERM, which batch systems send before they kill a process, like Ctrl-C."""
+    """Handle SIGTERM like Ctrl-C, because batch systems send SIGTERM before they kill a process."""
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         yield

@@ -101,7 +101,7 @@ class GameSteps:
                 await self._pages.read(TextToRead(0, self._pages.texts.text("kiosk.once_more"), text))
 
     async def play(self, step: PlannedStep, how: ResumeRule | None) -> None:
-        """Run the game of a trial. After a crash, `how` is the rule for resuming the game; if None, begin a new one."""
+        """Run the game of a trial. After a crash, `how` is the rule for resuming it; if None, begin a new game."""
         visit = _Visit(self._pages, self._clock, self._token, practice=False)
         if self._pages.run.game is None:
             goes_on = how is ResumeRule.EXACT

@@ -68,7 +68,7 @@ def count_words(state: DeskState) -> str:
 
 
 def freeze_words(state: DeskState) -> str:
-    """Return a sentence that says if the study is frozen, and lists the changes since then."""
+    """Return a sentence that says if the study is frozen, and lists the changes since it was frozen."""
     if state.changed is None:
         return "The study is not frozen."
     if not state.changed:

@@ -22,13 +22,13 @@ MAX_DELAY = 0.06
 """Largest delay of the clock, seconds. Together with the latency of a network, it stays below 0.1 s."""
 
 EXTRAPOLATED_SHARE = 0.5
-"""Share of the time between two samples for which robots are extrapolated before the next sample arrives.
+"""Robots are extrapolated during this share of the time between two samples, until the next sample arrives.
 
 At 25 samples per second, robots are drawn 20 ms earlier because of this, with errors of some millimeters.
 """
 
 STANDSTILL = 0.25
-"""Seconds without a sample after which simulated time or the network counts as stopped.
+"""If no sample arrives for this number of seconds, simulated time or the network counts as stopped.
 
 The estimate of the rate ignores longer pauses.
 """

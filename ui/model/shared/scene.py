@@ -15,7 +15,7 @@ VISITED: tuple[RoomState, ...] = ("visited", "won", "lost")
 
 
 def decided(points: int) -> RoomState:
-    """Return the state of a room after its treasure was named and brought or cost these points."""
+    """Return the state of a room after its treasure was named, which brought or cost these points."""
     return "won" if points > 0 else "lost" if points < 0 else "visited"
 
 

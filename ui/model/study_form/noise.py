@@ -17,7 +17,7 @@ from thbridge.study.study_file import Study
 from ui.model.study_form.form import FieldKind, FormField, editable_text
 
 _ALMOST_NONE = 1e-3
-"""Size in meters below which an ellipse is drawn as a point."""
+"""An ellipse is drawn as a point if it is smaller than this, meters."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -18,7 +18,7 @@ _WAITING = 64
 _STALE = 1.0
 """Longest time between two true poses, in seconds, in which poses are interpolated."""
 _REPEATS = 3
-"""Number of successive true poses with the same stamp after which stamps are ignored."""
+"""If this number of successive true poses have the same stamp, stamps are ignored."""
 
 
 class PoseErrors:

@@ -283,7 +283,7 @@ class FieldsPage(QScrollArea):
 
 
 def _row(column: QVBoxLayout) -> QHBoxLayout:
-    """Add an empty row at the end of a column that ends in a stretch.
+    """Insert an empty row before the stretch at the end of a column.
 
     Add the row to the column before anything is added to the row. If a stretch is added first, PySide 6.11 crashes
     when the window closes.

@@ -74,7 +74,7 @@ class ResourceList(QWidget):
         (self.list if self.list.count() else self.other).setFocus()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Close the list at Esc."""
+        """Close the list if Esc is pressed."""
         if event.key() == Qt.Key.Key_Escape:
             self.close()
         else:

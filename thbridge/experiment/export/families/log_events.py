@@ -23,7 +23,7 @@ LEFT_OUT = frozenset({"external_id", "code"})
 
 @dataclass(frozen=True, slots=True)
 class _TableEvent:
-    """An event, with True if its run counts."""
+    """An event. `counts` is True if its run counts."""
 
     entry: LoggedEvent
     counts: bool

@@ -49,7 +49,7 @@ def same_in_all(design: ExperimentDesign, key: str) -> str:
 
 
 def _plain(value: str) -> str:
-    """Return a number without a fraction of zero. Return any other text unchanged."""
+    """Return a number without a final `.0`. Return any other text unchanged."""
     return value.removesuffix(".0")
 
 

@@ -148,8 +148,8 @@ def _off_earth(item: MissionItem) -> InvalidItem | None:
 
 
 _Rule = tuple[Callable[[float, int], bool], str]
-"""Predicate that is true for valid parameters, and message about invalid ones. The predicate's arguments are the
-parameter and the number of items in the mission."""
+"""Predicate that is true for valid parameters, and message about invalid parameters. The predicate's arguments are
+the parameter and the number of items in the mission."""
 
 _SECONDS: _Rule = (lambda value, _: value >= 0.0 and math.isfinite(value), "has to be seconds, 0 or more")
 _SECONDS_IF_ANY: _Rule = (lambda value, _: math.isnan(value) or 0.0 <= value < math.inf, _SECONDS[1])

@@ -177,14 +177,14 @@ class ModeStateMachine:
         return None
 
     def follow_target(self, target: Target) -> Denied | None:
-        """Drive to a point that is sent repeatedly. Do nothing in other modes than GUIDED."""
+        """Drive to a point that is sent repeatedly. Do nothing in modes other than GUIDED."""
         # The target is repeated, so a drive that already leads to it must not begin again.
         if self._mode is not Mode.GUIDED or self.drive.leads_to(target):
             return None
         return self.go(target)
 
     def follow_velocity(self, velocity: VelocitySetpoint) -> Denied | None:
-        """Drive at a velocity that is sent repeatedly. Do nothing in other modes than GUIDED."""
+        """Drive at a velocity that is sent repeatedly. Do nothing in modes other than GUIDED."""
         if self._mode is not Mode.GUIDED:
             return None
         denied = self._hand.follow(velocity)
@@ -203,7 +203,7 @@ class ModeStateMachine:
         self._paused = paused
 
     def resume(self) -> Denied | None:
-        """Continue the activity that a pause has interrupted. Without a pause, nothing changes."""
+        """Continue the activity that a pause has interrupted. If the mode is not HOLD, do nothing."""
         if self._mode is not Mode.HOLD:
             return None
         paused = self._paused

@@ -210,7 +210,7 @@ def _size_of(file: BinaryIO) -> int:
 
 
 def _after_length(data: bytes, at: int) -> int:
-    """Return the end of a field that begins with its length of 4 bytes. Raises ValueError beyond the data."""
+    """Return the end of a field that begins with its length, 4 bytes. Raises ValueError if it ends beyond the data."""
     end = at + 4 + int.from_bytes(data[at : at + 4], "little")
     if end > len(data):
         raise ValueError("a record ends beyond its chunk")

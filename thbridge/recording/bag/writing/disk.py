@@ -11,7 +11,7 @@ from thbridge.recording.claims import claim, release
 from thbridge.recording.recordings import active_of, part_of, parts_of
 
 BEHIND_SECONDS = 10.0
-"""Delay of the disk, in seconds, after which the recording ends."""
+"""Maximum delay of the disk, in seconds. If the delay is longer, the recording ends."""
 
 WAITING_BYTES = 2 * 2**20
 """If more bytes than this wait for the disk, the session waits, too. bz2 packs this number of bytes in 0.1 s."""

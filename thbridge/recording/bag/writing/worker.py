@@ -30,7 +30,7 @@ class JobQueue(Protocol):
         """Wait until at most `size` bytes are pending; with 0, until no job is pending.
 
         Returns:
-            True if that was reached, False after `seconds`.
+            True if this was reached; False if `seconds` passed first.
         """
 
     def end(self) -> None:

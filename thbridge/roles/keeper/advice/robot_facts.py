@@ -142,7 +142,7 @@ def _busy(state: GameState, starts: dict[int, TourStart], robot: int, room: Room
 def _compared(
     costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
 ) -> tuple[tuple[dict[Room, PlanValue], ...], tuple[Tour, ...]]:
-    """Return the values of all next rooms of each robot, and the tours of the best plan with a tour of the first."""
+    """Return, by robot, the value of each next room, and the tours of the best plan that sends the first robot."""
     if not rooms:
         return tuple({} for _ in starts), tuple(Tour((), 0.0) for _ in starts)
     tours = tours_sending_first(TeamPlanner.JOINT, costs, starts, rooms, visit)

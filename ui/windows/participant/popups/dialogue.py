@@ -84,7 +84,7 @@ class DialoguePanel(TitledPanel):
             self._grid.setRowStretch(each, int(each == row + 1))
 
     def usual_size(self) -> QSize:
-        """Return the usual size. A dialogue about a find replaces the pop-up about the find, and has the same size."""
+        """Return the usual size. A dialogue about a treasure replaces the pop-up about this treasure, and has the same size."""
         about_find = self._pop is not None and (self._pop.facts or self._pop.picture is not None)
         if about_find:
             return find_size()
@@ -93,7 +93,7 @@ class DialoguePanel(TitledPanel):
         return QSize(px(380), px(400)) if numbered else super().usual_size()
 
     def go_to(self, key: int) -> None:
-        """Focus the first answer at Down or the last answer at Up; scroll the sentences at Page Up or Page Down."""
+        """Handle Down (focus the first answer), Up (focus the last answer), and Page Up and Page Down (scroll)."""
         match key:
             case Qt.Key.Key_Down:
                 self._focus_choice(0)
@@ -130,5 +130,5 @@ class DialoguePanel(TitledPanel):
 
 
 def _asks(pop: DialoguePopup) -> bool:
-    """Return True while the answers are questions to the robot, which the person leaves by Esc."""
+    """Return True while the answers are questions to the robot. The person leaves these questions with Esc."""
     return any(choice.key == "Esc" for choice in pop.choices)

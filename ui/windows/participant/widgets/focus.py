@@ -49,8 +49,8 @@ def reachable(inside: QWidget) -> list[QWidget]:
 def move_focus(widget: QWidget, key: int) -> None:
     """Give the focus to a neighbor inside the widget's region.
 
-    Left and right follow the reading order, so that all widgets are reachable. Up and down go to the nearest widget
-    above or below; horizontal distances have three times the weight.
+    The keys Left and Right follow the reading order, so that all widgets are reachable. Up and Down go to the nearest
+    widget above or below; horizontal distances have three times the weight.
     """
     home: QWidget | None = widget
     while home is not None and home.property(REGION) is None:

@@ -81,7 +81,7 @@ class TopicTree(QWidget):
             self.opened.emit(item.data(0, _FIELD))
 
     def _toggle(self, item: QTreeWidgetItem) -> None:
-        """Tick a number, or clear its tick, at Enter or a double click."""
+        """Tick a number, or clear its tick, if a person presses Enter or double-clicks."""
         if item.flags() & Qt.ItemFlag.ItemIsUserCheckable:
             on = item.checkState(0) is Qt.CheckState.Checked
             item.setCheckState(0, Qt.CheckState.Unchecked if on else Qt.CheckState.Checked)

@@ -18,7 +18,7 @@ from ui.sources.bag import BagSource, open_bag
 from ui.windows.researcher.feeds.feed import FeedData, FeedRequest
 
 READ_SLICE = 0.008
-"""Seconds of reading after which the window handles other events."""
+"""Maximum number of seconds of reading before the window handles other events."""
 
 
 class BagOpener:

@@ -26,7 +26,7 @@ SENDER = "watch"
 DELAY_WINDOW = 2.0
 """Length of the time window in which delays of messages are compared, seconds."""
 LAG_THRESHOLD, LAG_WINDOW = 0.5, 10.0
-"""Increase of a session's lag above which the session is reported as too slow, and the time window of this increase,
+"""A session is reported as too slow if its lag increases by more than the first number within the second number,
 seconds."""
 STALE_AFTER = 1.5
 """Seconds without a message after which a session that is not paused is reported as "no messages"."""
