@@ -49,8 +49,9 @@ def plan(
 ) -> None:
     """Plan paths for a round robot on any map, like ROS's navfn. Paths may cross unknown space.
 
-    Print a table, or one JSON object {"queries": [{"found", "length", "milliseconds", "reason", "code"}, ...]} in the
-    order of the queries: length in meters, planning time, and the reason if there is no path.
+    Print a table, or one JSON object {"queries": [{"found", "length", "milliseconds", "reason", "code"}, ...]}. The
+    list has an entry for each query, in the same order: length in meters, planning time, and the reason if there is no
+    path.
     """
     from thbridge.offline.plan import plan as planned
     from ui.command_line.grids import grid_at
