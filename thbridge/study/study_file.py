@@ -171,7 +171,7 @@ class DialogueSection:
     )
     neglect: float | None = param(
         None,
-        "time without the participant's attention after which a robot decides alone; if null, the robot waits without "
+        "a robot decides alone after this time without the participant's attention; if null, the robot waits without "
         "limit, or in the condition autonomous for 5 s",
         "s",
         1,
