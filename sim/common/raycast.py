@@ -26,10 +26,10 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 FreeSquares = NDArray[np.uint8]
-"""(4, rows, cols): side of the largest square that has this cell as a corner and contains no occupied cell. In cells,
-at most 255, and 0 if the cell itself is occupied. All cells outside the grid are free. The first index is the
-direction of the square. 0: lower columns and rows. 1: higher columns, lower rows. 2: lower columns, higher rows. 3:
-higher columns and rows."""
+"""(4, rows, cols): side of the largest square that has this cell as a corner and contains no occupied cell. The unit is
+cells, the maximum is 255, and the value is 0 if the cell itself is occupied. All cells outside the grid are free. The
+first index is the direction of the square. 0: lower columns and rows. 1: higher columns, lower rows. 2: lower columns,
+higher rows. 3: higher columns and rows."""
 
 _LARGEST_SQUARE = 255
 
@@ -81,8 +81,8 @@ def _line_after(
 ) -> int:
     """Return the row (or column) that a beam from row (or column) `start` reaches after `distance`.
 
-    If the beam is closer than `hair` to a grid line, rounding could put it on either side. In this case the expression
-    by which `_cast` computes crossings decides. So a beam with strides passes the same cells as a beam that goes cell
+    If the beam is closer than `hair` to a grid line, rounding could put it on either side. In this case, the function
+    compares crossings as `_cast` computes them. So a beam with strides passes the same cells as a beam that goes cell
     by cell.
     """
     reached = origin + speed * distance

@@ -64,7 +64,7 @@ _SPLITTER = 2.0**27 + 1.0
 
 
 def leading(x: Real) -> Real:
-    """Return the leading 26 bits of a number. The rest has at most 26 bits, so products of such halves are exact."""
+    """Return the leading 26 bits of a number. The rest also has at most 26 bits, so products of the parts are exact."""
     scaled = _SPLITTER * x
     return scaled - (scaled - x)
 

@@ -204,7 +204,7 @@ def _digest(path: Path) -> str:
 
 
 class _ManifestDesign(msgspec.Struct):
-    """Fields of a manifest's design that readers use. The other fields are only compared with a new design."""
+    """Fields of a manifest's design that readers use. All other fields are only for comparisons with a new design."""
 
     factors: list[str]
     levels: dict[Annotated[int, Meta(ge=1, le=MOST_CONDITIONS)], dict[str, str]]

@@ -18,7 +18,7 @@ class NoSuchStep(Exception):  # noqa: N818 - people read it as a sentence
 
 
 def place_of(design: ExperimentDesign, step: str, condition: str, group: str) -> tuple[Place, PlannedStep]:
-    """Return a place where a person reaches a step in a condition, and the step in the plan of this person.
+    """Return a place whose person reaches a step in a condition, and the step in the plan of this person.
 
     Args:
         design: the study.

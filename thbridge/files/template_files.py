@@ -98,7 +98,7 @@ class TemplateSet:
         return SetWords({}, self.properties, self.dialogue) if spoken is None else spoken
 
     def answering_as(self, other: "TemplateSet") -> "TemplateSet":
-        """Return the set with the answers to questions of another set, in each language."""
+        """Return this set, but with the other set's answers to questions, in each language."""
 
         def answering(dialogue: Template, others: Template) -> Template:
             return replace(dialogue, answers=others.answers)

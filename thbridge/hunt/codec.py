@@ -87,7 +87,7 @@ def treasure_of(fields: Mapping[str, object]) -> TreasureKind:
 
 
 def kind_of(event_class: type[Event]) -> str:
-    """Return the kind of an event class in recordings. This is its kind in journals without hyphens."""
+    """Return the kind of an event class in recordings: its kind in journals, with the hyphens removed."""
     return str(event_class.__struct_config__.tag).replace("-", "")
 
 

@@ -38,7 +38,7 @@ class PlanTours(Protocol):
             starts: one start per robot.
             unvisited: rooms to visit, in any order.
             visit: energy that a robot spends in each room before its next move. It is not part of a tour's cost.
-            sent: index of the robot that will be sent next. If it has energy for any room, its tour has at least one.
+            sent: index of the robot that will be sent next. If it has energy for any room, its tour has a room.
         """
         ...
 

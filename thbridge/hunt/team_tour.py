@@ -42,7 +42,7 @@ class TourStart:
         return self.costs[room.people] <= self.energy and self.costs[room.people] < math.inf
 
     def after(self, costs: CostMatrix, room: Room, visit: float) -> "TourStart":
-        """Return the start for the moves after this first room. Its energy may be below 0."""
+        """Return the start of the rest of the tour, after this first room. Its energy may be below 0."""
         return TourStart(costs.rows[room.people], self.energy - self.costs[room.people] - visit)
 
 

@@ -155,7 +155,7 @@ def doorways(floor: TraversabilityMap, owners: Owners, footprint: Polygon = FOOT
 
 
 def _without_gaps(owners: Owners, free: Mask, resolution: float) -> Owners:
-    """Return the rooms of cells. Floor without a room that is too small for a corridor gets the nearest room."""
+    """Return the rooms of cells. Small areas between rooms, too small for a corridor, belong to the nearest room."""
     labels, _ = label(free & (owners == 0))
     small = np.bincount(labels.ravel()) * resolution**2 < GAP
     small[0] = False

@@ -30,7 +30,7 @@ _A_MINUTE, _AN_HOUR = 60.0, 3600.0
 
 @dataclass(slots=True)
 class _CountedTask:
-    """Task with a count: `first` at time `began` (seconds), `done` now. A total of 0 means unknown."""
+    """Task with a count: it was `first` at the time `began` (seconds), and is `done` now. 0 is an unknown total."""
 
     began: float
     first: int

@@ -90,7 +90,7 @@ class ItineraryPlanner:
         planner: planner of paths without regard to other robots.
 
     Attributes:
-        fault: failure of an installed planner, until it is read. Empty without a failure.
+        fault: failure of an installed planner, until it is read. Empty if nothing failed.
     """
 
     def __init__(

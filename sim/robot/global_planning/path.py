@@ -82,8 +82,8 @@ def with_edge(
         frame: frame of the map.
         start: pose of the base.
         goal: pose at the end.
-        radius: radius of the body, meters. The note is for ends that are nearer than this to the edge. If 0, it is only
-            for the outermost cells.
+        radius: radius of the body, meters. The note is added if start or goal is nearer to the edge than this. If 0, it
+            is added only for the outermost cells.
     """
     if refusal.sentence != _SENTENCES.get(refusal.code) or refusal.code in {"start_outside", "goal_outside"}:
         return refusal

@@ -35,7 +35,7 @@ NEAR = 1.5
 _STEPS = 4
 """Number of Gauss-Newton steps at each width, from coarse to fine."""
 _DAMPING = 1e-3
-"""Part of the mean information that is added to its diagonal.
+"""The mean of the information matrix's diagonal, times this factor, is added to the diagonal.
 
 It prevents drift along a corridor, where scans do not determine the position.
 """
@@ -177,7 +177,7 @@ class ScanMatcher:
         return cls(signed_distance(grid, REACH), grid.frame, free_squares_of(grid), laser, free)
 
     def search(self, points: FloatArray, near: Pose2 | None = None) -> ScanMatch | None:
-        """Return the only pose with the points on the map's walls. If `near` is given, search around it first.
+        """Return the only pose that puts the points on the map's walls. If `near` is given, search around it first.
 
         Returns:
             The match. None if no pose fits, or if another pose fits nearly as well, because places that look the same

@@ -198,7 +198,7 @@ def _walls(
 
     Returns:
         (3, 3) covariance of the pose if the walls' positions had a standard deviation of one meter. The sum of squared
-        errors of the walls, in m^2. Its expectation for this standard deviation. The ratio of the last two, over
+        errors of the walls, in m^2. The expected sum for this standard deviation. The ratio of the last two, over
         many scans, is the variance of the walls' positions.
 
     Source: Henderson, Estimation of variance and covariance components (1953), method 3, for the variance of a random

@@ -42,7 +42,7 @@ class GoalExecution:
         progress: clocks of the goal.
         recovery: remaining recovery behaviors.
         oscillation: detector of oscillations.
-        fault: failure of an installed planner or recovery behavior that is not reported yet. Empty without a failure.
+        fault: failure of an installed planner or recovery behavior that is not reported yet. Empty if nothing failed.
     """
 
     def __init__(self, move_base: MoveBaseParameters, circumscribed: float, planner: ItineraryPlanner) -> None:

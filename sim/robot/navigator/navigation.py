@@ -20,8 +20,8 @@ class Navigation:
         goal: the present goal.
         state: state of move_base: "planning" waits for a plan, "controlling" follows it, "clearing" runs a recovery
             behavior.
-        plan: (m, 3) map poses of the remaining path, starting with the robot's pose. Empty without a goal. The robot
-            broadcasts it.
+        plan: (m, 3) map poses of the remaining path, starting with the robot's pose. Empty if the robot
+            has no goal. The robot broadcasts the plan.
         times: (m,) times of these poses, also broadcast. They are empty if other robots block the plan and are asked to
             clear it.
         local_plan: (k, 3) map poses along the trajectory of the command.
@@ -32,7 +32,7 @@ class Navigation:
         local_costmap: costs for commands, in ticks when they are published.
         waits_for: robot that goes first, while this robot stands and waits for it. Otherwise None.
         makes_way_for: robot with the right of way, while this robot waits for it, drives aside, or drives around it.
-        fault: failure of an installed planner or recovery behavior in this tick. Empty without a failure.
+        fault: failure of an installed planner or recovery behavior in this tick. Empty if nothing failed.
     """
 
     command: Twist

@@ -171,7 +171,7 @@ def unknown_connection(bag: BagStructure) -> Iterator[Finding]:
 
 
 def clock_recorded(bag: BagStructure) -> Iterator[Finding]:
-    """Find a recorded /clock: `rosbag play --clock` also publishes /clock, so time jumps between the two."""
+    """Find a recorded /clock. `rosbag play --clock` publishes /clock, too, so time jumps between two clocks."""
     if "/clock" in bag.connections_by_topic():
         what = "this topic is recorded, but `rosbag play --clock` also publishes it"
         remedy = "play only the other topics, or remove /clock with `thbridge bag cut --topics`"

@@ -25,7 +25,7 @@ def index_missing(bag: BagStructure) -> Iterator[Finding]:
 
 
 def index_wrong(bag: BagStructure) -> Iterator[Finding]:
-    """Find an index that does not match the chunks. With such an index, readers miss messages or read wrong messages."""
+    """Find an index that does not match the chunks. Readers then miss messages or read wrong messages."""
     if bag.header is None or not bag.index:
         return
     if (bag.header.connections, bag.header.chunks) != (bag.indexed_connections, len(bag.index)):

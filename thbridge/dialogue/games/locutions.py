@@ -194,10 +194,10 @@ CONDITIONS: Mapping[str, Precondition] = {
         "the speaker thinks that the listener believes the content", lambda at, content: content in at.speaker.picture
     ),
     "thought to be argued": Precondition(
-        "the listener is taken to have an argument for the content", _thought_to_argue, _CLAIMS
+        "the listener is assumed to have an argument for the content", _thought_to_argue, _CLAIMS
     ),
     "answerable": Precondition(
-        "the listener is taken to have an opinion on the content or to know the answer, or just refused the opposite",
+        "the listener is assumed to have an opinion on the content or to know the answer, or just refused the opposite",
         _answerable,
         frozenset({ContentKind.LITERAL}),
     ),

@@ -7,7 +7,7 @@ from thbridge.dialogue.games.locutions import Locution
 from thbridge.dialogue.games.tables import GameRole, GameTable, Reply, Slot
 
 FormOf = Callable[[Reply], Locution]
-"""Function that returns the form of a reply's locution for the content of its slot."""
+"""Function that returns the locution of a reply, in the form that fits the content of the reply's slot."""
 
 
 @dataclass(frozen=True, slots=True)

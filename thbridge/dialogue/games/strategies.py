@@ -26,7 +26,7 @@ class GameStrategy(Protocol):
     """Choice of a program's moves; it must depend only on its arguments and its constructor's arguments."""
 
     def choose(self, conversation: Conversation, number: int) -> DialogueMove:
-        """Return one of the legal moves in the dialogue with this number; there is at least one."""
+        """Return a legal move in dialogue `number`. The dialogue has at least one legal move."""
         ...
 
 

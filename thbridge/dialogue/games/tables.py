@@ -44,7 +44,7 @@ class DialogueEnd(TableWord):
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """Legal move of a state.
+    """Legal move in a state.
 
     Attributes:
         locution: name of the locution.

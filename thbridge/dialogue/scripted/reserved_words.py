@@ -62,7 +62,7 @@ WORDS = (
         scenarios=(Scenario.DONT_KNOW,),
     ),
 )
-"""All words except properties of treasures, which are words of the questions about a treasure."""
+"""All words except the properties of treasures. Only questions about a treasure may contain a property."""
 
 
 def allowed_words(scenario: Scenario, properties: Sequence[TreasureProperty]) -> dict[str, str]:

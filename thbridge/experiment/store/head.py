@@ -25,7 +25,7 @@ from thbridge.files.errors import BadFile
 ANY: Final = "any"
 """Name in a head that matches any file."""
 NONE: Final = "none"
-"""Name in a head for a write-ahead log that does not exist, because the log was closed."""
+"""Name in a head if there is no write-ahead log, because the log was closed."""
 
 LARGEST_LOG = 1 << 28
 """Largest size of a log and of a write-ahead log, in bytes: about 1000 people with some hundred events each."""

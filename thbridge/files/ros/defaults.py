@@ -30,7 +30,7 @@ class RosDefault:
 def ros_defaults(
     robot: RobotParameters, start: RobotParameters, hunts: RobotParameters, written: Collection[str]
 ) -> tuple[RosDefault, ...]:
-    """Return the parameters that a robot uses with ROS's defaults where hunts have other values.
+    """Return the parameters for which a robot uses ROS's default, although hunts have another value.
 
     Parameters of unused planners, of disabled layers, and the radius of a robot with a footprint are left out.
 

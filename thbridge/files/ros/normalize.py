@@ -91,7 +91,7 @@ class RosYamlNormalizer:
         return Scalar(first, plain=key.plain, line=key.line), child
 
     def scalar(self, node: Scalar) -> Scalar:
-        """Return a normalized value: `yes` is true, `5.0` also 5, `!degrees 90` and `deg(90)` become radians."""
+        """Return a normalized value: `yes` becomes true, `5.0` becomes 5; `!degrees 90`, `deg(90)` become radians."""
         called = _ANGLE.fullmatch(node.text) if node.plain else None
         if node.tag in {"!degrees", "!radians"} or called:
             text = called[2] if called else node.text

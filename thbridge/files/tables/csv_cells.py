@@ -21,11 +21,11 @@ SENTENCE = (
 
 
 def text_cell(text: str) -> str:
-    """Return the cell of a text."""
+    """Return a text as the content of a CSV cell. Texts that look like formulas get an apostrophe in front."""
     return f"'{text}" if re.search(FORMULA, text) and not re.fullmatch(NUMBER, text) else text
 
 
 def text_cells(texts: pa.Array) -> pa.Array:
-    """Return the cells of texts; some texts may be missing."""
+    """Return texts as the contents of CSV cells; some texts may be missing."""
     escaped = compute.replace_substring_regex(texts, FORMULA, r"'\1")
     return compute.if_else(compute.match_substring_regex(texts, NUMBER), texts, escaped)

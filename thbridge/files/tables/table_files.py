@@ -70,7 +70,7 @@ class OptionalColumn:
     """Values of a column of numbers or booleans with missing values.
 
     Attributes:
-        values: all values, with any value in place of a missing value.
+        values: all values. A missing value is replaced by an arbitrary value.
         known: False for missing values.
     """
 

@@ -38,7 +38,7 @@ class IdentifiedType(NamedTuple):
 
 
 def missing_types(msgtype: str, md5: str, text: str) -> tuple[str, ...]:
-    """Return the types that a full text does not define. If the type itself has no field, it is the first of them."""
+    """Return the types that a full text does not define. If the type itself has no field there, it comes first."""
     own, *others = _PART.split(text)
     parts = {msgtype: own, **dict(zip(others[::2], others[1::2], strict=True))}
     missing = [] if md5 == EMPTY_MD5 or any(_kinds(own)) else [msgtype]

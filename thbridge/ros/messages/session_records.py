@@ -108,8 +108,8 @@ class DialogueMoveRecord:
         is_booked: True if it followed automatically from the previous move.
         text: the sentence. Empty for a move that followed automatically.
         heard: sentence of the move that the robot understood instead. Empty if it understood the move correctly.
-        fault: failure of the study's strategy, after which the robot's own strategy chose the move. Empty without a
-            failure.
+        fault: failure of the study's strategy, after which the robot's own strategy chose the move. Empty if nothing
+            failed.
     """
 
     talk: int

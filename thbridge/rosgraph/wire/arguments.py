@@ -1,4 +1,4 @@
-"""Argument checks of the master's methods.
+"""Checks of the arguments of the master's methods.
 
 Source: ROS's rosmaster/validators.py, with the same order of checks and the same texts.
 

@@ -61,7 +61,7 @@ class Notice:
 
 
 class NoticeValue(msgspec.Struct, frozen=True, tag_field="kind"):
-    """Base class of the values in notices. Its tag is the kind on the wire. No release changes the tags."""
+    """Base class of the values in notices. A class's tag is the kind of its notices on the wire. It never changes."""
 
 
 N = TypeVar("N", bound=NoticeValue)

@@ -51,5 +51,5 @@ def _fail_without(bag: Path, what: str, pattern: str, names: Collection[str]) ->
 
 
 def names_in(given: Collection[str]) -> list[str]:
-    """Return the names in the values of a repeated option; a value may contain several names with commas."""
+    """Return the names in the values of a repeated option. One value may contain several names, separated by commas."""
     return [name.strip() for text in given for name in text.split(",") if name.strip()]

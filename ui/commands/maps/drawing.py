@@ -43,7 +43,7 @@ LEFT_OUT = "left-out.pgm"
 MOST_FLOOR = 0.5
 """Least share of the floor that must be reachable, unless the user says that thin lines are walls."""
 MOST_INK = 0.5
-"""Share of a plan's drawn area. If more than this share is removed, the removed lines probably include walls."""
+"""If more than this share of a plan's drawn area is removed, the removed lines probably include walls."""
 MOST_PLACES = 4
 """Greatest number of blocked paths that a message names."""
 LEAST_CELL, LARGEST_CELL = 0.001, 0.5

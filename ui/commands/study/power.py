@@ -31,7 +31,7 @@ def power_tasks(
         root: folder of the experiment.
         score: name of a subscale.
         factor: factor whose levels are compared.
-        people: numbers of people. If empty, six values up to the experiment's own number.
+        people: numbers of people. If empty, six numbers are used, up to the experiment's number of people.
         rehearsals: number of rehearsals with the effects, and of rehearsals without them.
         seed: random seed of the first rehearsal.
         results: folder of results of this and other estimates.

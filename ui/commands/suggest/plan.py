@@ -49,7 +49,7 @@ class SuggestedPlan:
 
 
 def plan_of(setting: StudySetting, rooms: Collection[Room], planner: TeamPlanner) -> SuggestedPlan:
-    """Return a planner's plan for a study's robots, which visit these rooms from their start poses.
+    """Return a planner's plan: the robots of a study start at their start poses and visit these rooms.
 
     Raises:
         ValueError: there are more rooms than this planner can compare.

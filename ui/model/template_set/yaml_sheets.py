@@ -144,8 +144,8 @@ class PropertySheet(_YamlSheet):
     def put(self, row: int, column: int, typed: str) -> Changed:
         """Change a cell.
 
-        If the name of a property changes, it also changes in treasures and sentences. If a value changes, it also
-        changes in treasures.
+        If the name of a property changes, it also changes in treasures and sentences. If a value of a property
+        changes, it also changes in the treasures with this value.
         """
         done = super().put(row, column, typed)
         if isinstance(done, RequestRefused) or not done:

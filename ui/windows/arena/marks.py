@@ -15,9 +15,9 @@ GOAL_RADIUS = 5.0
 CHOSEN_RADIUS = 16.0
 """Radius of the circle around the chosen start pose, pixels."""
 CORNER = QRectF(-4.5, -4.5, 9.0, 9.0)
-"""Square that marks a corner of the chosen room, pixels."""
+"""Shape that marks a corner of the chosen room: a square, in pixels."""
 DIAMOND = QPolygonF([QPointF(6.0, 0.0), QPointF(0.0, 6.0), QPointF(-6.0, 0.0), QPointF(0.0, -6.0)])
-"""Diamond that marks a door, pixels."""
+"""Shape that marks a door: a diamond, in pixels."""
 AHEAD = 14.0
 """Length of the line that shows a pose's heading, pixels."""
 

@@ -37,7 +37,7 @@ FOLLOW_SCALE = 60.0
 """Smallest scale after the map begins to follow a robot, pixels per meter."""
 
 FOLLOW_SHARE = 0.15
-"""Share of the distance to the followed robot by which the view moves in one frame."""
+"""In each frame, the view moves by this share of the distance to the followed robot."""
 
 FOLLOW_TOLERANCE = 1.0
 """Distance within which the followed robot counts as being in the middle, pixels."""
@@ -228,7 +228,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     def opposite_corner(self, robot: int) -> tuple[bool, bool] | None:
         """Return the corner of the map that is farthest from a robot; None if the robot is not shown.
 
-        The corner is given by two flags: True for right, and True for bottom.
+        The first value is True for the right side, and the second value is True for the bottom.
         """
         pose = next((mark.pose for mark in self._robots.marks if mark.robot == robot), None)
         middle = self.box.bounds.center()

@@ -38,7 +38,7 @@ from ui.windows.researcher.tool_controller import ToolController
 FRAME = 33
 """Milliseconds between two frames of the map."""
 SLOW, PLOTTED = 5, 2
-"""Frames of the map for each update of the lists, and for each update of a plot. The plots are updated in turn."""
+"""Number of map frames between two updates of the lists, and between two updates of plots. Plots take turns."""
 MARGIN = 3.0
 """Margin of the view around the robots if there is no map, meters."""
 DEFAULT_FOOTPRINT: FloatArray = 0.2 * np.array(

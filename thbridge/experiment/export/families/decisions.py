@@ -104,7 +104,7 @@ class GameDecision:
 
     @property
     def disagreed(self) -> bool | None:
-        """True if the robot rejected the first choice or advised another choice. None without a first choice."""
+        """True if the robot rejected the first choice or advised another choice. None if there was no first choice."""
         return (self.refused or self.advice not in {"", self.first_choice}) if self.first_choice else None
 
     @property

@@ -85,7 +85,7 @@ def fill_poses(rows: FloatArray, poses: FloatArray) -> None:
 
 @cache
 def _kernels() -> ModuleType:
-    """Import the compiler at the first call. Windows also pack messages but no poses, and so never import it."""
+    """Import the compiler at the first call. Windows pack messages, but no poses, so they never import it."""
     from thbridge.ros.messages.pack import kernels  # noqa: PLC0415
 
     return kernels

@@ -18,7 +18,7 @@ STANDS = "✓"
 class AttackGraph(QWidget):
     """Picture of arguments as numbered boxes on an ellipse, and of attacks as arrows.
 
-    An argument in the grounded extension has a tick and a double edge.
+    An argument in the grounded extension has a check mark and a double edge.
     """
 
     def __init__(self) -> None:
