@@ -90,7 +90,7 @@ class ColourScheme(StrEnum):
 
 LookOption = Annotated[
     ColourScheme,
-    typer.Option("--look", help="Colors of windows. `system`: as chosen in a window, or else the desktop's colors."),
+    typer.Option("--look", help="Colors of windows. `system`: the colors chosen in a window; if none, the desktop's colors."),
 ]
 
 

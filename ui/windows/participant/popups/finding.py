@@ -30,7 +30,7 @@ _VALUES_A_ROW = 3
 
 
 def find_size() -> QSize:
-    """Return the usual size of a pop-up about a find, logical pixels. The names then fit next to the picture."""
+    """Return the usual size of a pop-up about a found treasure, logical pixels. The names then fit next to the picture."""
     return QSize(PICTURE.width() + 6 * GAP + px(240), px(330))
 
 
@@ -173,7 +173,7 @@ class PicturePanel(TitledPanel):
         self.rows.addWidget(self.picture, 1)
 
     def show_large(self, data: bytes, title: str, robot: int) -> None:
-        """Show this picture of a find, with a title and the robot's chip."""
+        """Show this picture of a found treasure, with a title and the robot's chip."""
         close = Action(EnlargePicture(), self._texts.text("popups.close"), "Esc")
         self.entitle(title, robot)
         self.close_button.show_action(close)
