@@ -421,7 +421,7 @@ class World:
         return things, state.bodies if still else polygons_of(things)
 
     def _obstacle(self, robot: int, poses: FloatArray, bodies: Polygons) -> Misplaced | None:
-        """Return why this robot's pose in `poses`, (n, 3), is impossible, or None if it is possible."""
+        """Return the reason why this robot's pose in `poses`, (n, 3), is impossible; None if it is possible."""
         x, y = float(poses[robot, 0]), float(poses[robot, 1])
         where = f"{robot_name(robot)} cannot be at ({x:.2f}, {y:.2f})"
         if not self._grid.contains(*self._grid.cell_of(x, y)):

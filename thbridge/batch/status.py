@@ -56,7 +56,7 @@ class SweepStatus:
 
 
 RECENT = 50
-"""Number of the newest files for the computation of the rate."""
+"""Number of newest files from which the rate is computed."""
 A_BREAK = 600.0
 """Seconds without a new file after which the sweep counts as interrupted."""
 

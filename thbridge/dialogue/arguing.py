@@ -72,7 +72,7 @@ class ArguingEngine:
         manners: manner of each robot, by its index. Robots that are not listed have the manner with the key `None`.
         phrasing: words for moves.
         seed: random seed of the game, used for moves that a robot mishears.
-        strategies: installed strategies that choose moves, with keys as in `manners`. None stands for the built-in
+        strategies: installed strategies that choose moves, with keys as in `manners`. None means the built-in
             strategy.
     """
 

@@ -24,7 +24,7 @@ _KIND_OF_SLOT: Mapping[Slot, ContentKind] = {
     Slot.UNKNOWN: ContentKind.UNKNOWN,
     Slot.SUPPORT: ContentKind.LITERAL,
 }
-"""Kinds of contents by slot. All other slots have the kind of the game's topic."""
+"""Kind of content of each slot. All other slots have the kind of the game's topic."""
 LONGEST_NAME = 60
 _NAMES = f"A name has 1 to {LONGEST_NAME} letters, without blanks at its ends"
 _FormKey = tuple[str, ContentKind, str | None]

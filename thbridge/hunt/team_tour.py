@@ -224,7 +224,7 @@ class _Plan:
 
 
 def _plans(spent: Sequence[NDArray[np.float64]], worth: NDArray[np.int64], rooms: int) -> list[_Plan]:
-    """Return the plans without robots, with the last robot, with the last two robots, and so on."""
+    """Return the plans for no robot, for the last robot, for the last two robots, and so on."""
     nothing = np.zeros(len(worth), dtype=np.int64)
     plans = [_Plan(nothing, np.zeros(len(worth)), nothing)]
     for of_robot in reversed(spent):

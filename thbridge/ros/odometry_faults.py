@@ -42,7 +42,7 @@ LEAST_MESSAGES = 3
 AT_ORIGIN = 0.5
 """Maximum distance from 0 of odometry that counts as reset after a jump, meters and radians."""
 MISSED = ((0.05, 0.03), (1.0, 0.5))
-"""Minimum and maximum standard deviations, in meters and radians, of the unseen motion during a reset."""
+"""Minimum and maximum standard deviations of the motion that a reset hides from odometry, in meters and radians."""
 
 
 class FaultKind(StrEnum):

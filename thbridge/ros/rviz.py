@@ -83,7 +83,7 @@ def colour_of(robot: int) -> str:
 
 
 def _display(kind: str, name: str, topic: str | None, enabled: bool, **properties: Value) -> Section:
-    """Return a display. rviz stores in Enabled and also in Value whether it is switched on."""
+    """Return a display. In rviz, both Enabled and Value store whether the display is switched on."""
     given = {key.replace("_", " "): value for key, value in properties.items()}
     about = {} if topic is None else {"Topic": topic}
     return {"Class": f"rviz/{kind}", "Name": name, "Enabled": enabled, "Value": enabled, **about, **given}

@@ -45,7 +45,7 @@ BACKLOG = 4096
 """Maximum number of connections that wait to be accepted. Further clients try again after a second, by TCP."""
 
 DESCRIPTORS = 12_288
-"""Wanted limit of file descriptors of a process."""
+"""Limit for the number of file descriptors that a process requests."""
 
 RESERVED = 64
 """Number of descriptors that connections may not use. If the limit is below 256, a quarter of it is reserved."""

@@ -130,7 +130,7 @@ def start_time(now: float, x: float, y: float, others: OtherItineraries, separat
     """Return the time at which the itinerary of a robot that stands at (x, y) may begin.
 
     The time is `now`, unless another robot is late and still has to pass here. Then it is the time of that robot's
-    present point. So this robot precedes that robot in the order of times.
+    present point. So in the order of times, this robot passes here before that robot.
     """
     earliest = now
     for k in range(others.starts.shape[0] - 1):

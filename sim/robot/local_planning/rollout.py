@@ -243,8 +243,8 @@ def best_safe_command(
 ) -> tuple[float, float, float]:  # fmt: skip
     """Return the best free and safe command (v, w) of n commands, and its score, which is infinite if there is none.
 
-    The slow checks start with the best score and end at the first command that passes. A command that comes nearer to
-    something than COMFORT is used only if there is no other, or if the robot is already that near.
+    The slow checks start with the best score and end at the first command that passes. A command that leads nearer than
+    COMFORT to a wall or a body is used only if there is no other command, or if the robot is already that near.
 
     Args:
         costs: (rows, cols) local costmap.

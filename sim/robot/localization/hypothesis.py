@@ -116,8 +116,7 @@ class Hypothesis:
         covariance: (3, 3) covariance of this pose. Read-only.
         updates: number of scans weighed since the hypothesis was created.
         agreement: share of the scans that the map explains.
-        settled: number of scans with a narrow cloud. They count while nearly all particles agree on one pose that fits
-            the map.
+        settled: number of scans with a narrow cloud since nearly all particles have agreed on one pose that fits the map.
         noise_scales: factors of the odometry noise, relative to the parameters.
         share: share of the weight in the heaviest cluster at the last update.
     """

@@ -22,8 +22,8 @@ def corrected(odometry: FloatArray, recorded: FloatArray, corrections: FloatArra
 
     Args:
         odometry: (o, 4) time, x, y, theta.
-        recorded: (o,) times of recording. Corrections are stamped ahead, so only these times show which of them were
-            known.
+        recorded: (o,) times of recording. Corrections have stamps in the future, so only these times show which
+            corrections were known.
         corrections: (c, 4) time of recording, x, y, theta of odom in map.
     """
     return _moved(*_with_last(odometry, recorded, corrections))

@@ -165,7 +165,7 @@ class AbstractHuntEnv(TeamEnvironment):
         return self._starts[robot] if room.is_corridor else self._goals[room.wire]
 
     def _straight_line(self, start: Pose2, goal: Pose2, ticks: int) -> tuple[BodyNumbers, BodyNumbers]:
-        """Return the numbers for observations of a robot, at the start and at the end of a straight line."""
+        """Return the numbers of a robot that observations need, at the start and at the end of a straight line."""
         x, y = goal.x - start.x, goal.y - start.y
         length, heading = elementary.hypot(x, y), elementary.atan2(y, x)
         twist = Twist(length / (ticks * TICK), 0.0)

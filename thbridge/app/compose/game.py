@@ -85,7 +85,7 @@ def _with_words(language: Language, templates: TemplateSet, words: SetWords) -> 
 
 
 def manners_of(section: DialogueSection) -> dict[int | None, Manner]:
-    """Return the manners of robots by index. The key None stands for all robots without a separate manner."""
+    """Return the manners of robots by index. The manner under the key None applies to all other robots."""
 
     def manner(of: MannerSection) -> Manner:
         return Manner(section.condition, of.attitude, of.persistence, of.talkative, of.gives_reasons, of.misheard)

@@ -197,7 +197,7 @@ class GuardedLocalizer:
         return False
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
-        """Return the lab's estimate or, after a failure, an estimate that is lost; see `Localizer`."""
+        """Return the lab's estimate. After a failure, return the estimate of a lost robot; see `Localizer`."""
         if self._base_in_map is not None:
             self._odom_in_map = self._base_in_map.compose(odometry.base_in_odom.inverse())
             self._base_in_map = None

@@ -60,8 +60,8 @@ class StudySetting:
             positions.
         rulebook: rulebook of the dialogue games; None if robots ask scripted questions.
         language: language in which robots argue; None if robots ask scripted questions.
-        strategies: strategies of robots that argue, by index of the robot. The key None stands for all other robots.
-            The value None stands for the robot's own strategy.
+        strategies: strategies of robots that argue, by index of the robot. The key None means all other robots.
+            The value None means the robot's own strategy.
         author: author of wordings for robots' sentences. If None, all sentences come from the language's files.
         parts: parts of robots' software that are plug-ins; None if the study names no plug-ins.
         consent: text to which participants must agree; None if they are not asked.

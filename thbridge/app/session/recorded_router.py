@@ -13,7 +13,7 @@ from thbridge.text_protocol.wire.router import (
 )
 
 _LINE = 256
-"""Number of bytes added to the length of each line in counts, so that many short lines also reach the limits."""
+"""Each line counts as its length plus this number of bytes, so that many short lines also reach the limits."""
 _FEW_LINES, _MOST_OF_ONE, _MOST_OF_ALL = 2 * 1024, 32 * 1024, 128 * 1024
 """Limits for the number of bytes received between two ticks.
 

@@ -1,4 +1,4 @@
-"""Robots' program for trials, in which a game is played without simulated robots."""
+"""Program for the robots in trials that play a game without simulating robots."""
 
 from collections.abc import Sequence
 

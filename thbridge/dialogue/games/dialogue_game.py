@@ -29,15 +29,15 @@ class GamePlay:
         topic: topic of the dialogue.
         initiator: the side that opened the dialogue.
         parent: number of the dialogue that waits for this dialogue; None if there is none.
-        questions_refusal: True if the dialogue asks whether the opposite of a support holds, after a refusal of this
-            support in its parent.
+        questions_refusal: True if a support was refused in the parent dialogue, and this dialogue asks whether the
+            opposite of the support holds.
         stage: name of the present state; after the end, of the last state.
         claim: the defended claim; None before there is one.
         defender: the side that defends it.
         offered: stated support of the claim, in order.
         argument: the argument that was stated as a whole; None if there is none.
         moves: all moves so far, with their speakers.
-        barred: openings, each with a reply that an earlier dialogue has used up.
+        barred: pairs of an opening and a reply. The reply is not allowed, because an earlier dialogue has used it up.
         resumes: name of the state in which the dialogue resumes if the refusal that ended it is questioned. If None,
             the refusal cannot be questioned.
         put_off: the end that a refusal causes, while this end is postponed. The end is postponed from the question

@@ -39,9 +39,9 @@ class Grammar:
         rule: sentence for a rule, with the words `£premises£` and `£conclusion£`.
         decimal: sign before the decimals of a number.
         capital_after_colon: True if a sentence after a colon begins with a capital letter.
-        negations: words that negate a sentence; `*n't` stands for all words with this end.
+        negations: words that negate a sentence; `*n't` means all words with this end.
         bound: words whose position between values determines the meaning, such as `less`, and numbers in words; `*teen`
-            stands for all words with this end.
+            means all words with this end.
         names: words for values such as colors.
         capital_nouns: True if nouns have a capital letter within sentences.
     """

@@ -61,7 +61,7 @@ def doubt_about(text: str, radians: float) -> tuple[str, str] | None:
 
 
 def doubt_about_rate(text: str, rate: float) -> tuple[str, str] | None:
-    """Return why a turn rate, rad/s, looks like degrees per second, and the remedy, or None if it does not."""
+    """Return the reason why a turn rate, rad/s, looks like degrees per second, and the remedy; None if it does not."""
     if abs(rate) <= math.tau:
         return None
     problem = f"{text} rad/s is {abs(rate) / math.tau:.1f} turns per second"

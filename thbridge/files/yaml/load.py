@@ -391,7 +391,7 @@ class _Reader:
 
 
 def _before_decimals(node: Section, name: Scalar, child: Node) -> tuple[Scalar, Scalar] | None:
-    """Return the entry before a key that is a decimal part, such as the 2 in `{share: 0,2}`; None for any other key."""
+    """Return the entry before a key that is a decimal part, such as 2 in `{share: 0,2}`. Otherwise, return None."""
     if not (name.text.isdecimal() and isinstance(child, Scalar) and child.absent):
         return None
     at = next(index for index, entry in enumerate(node.entries) if entry[0] is name)

@@ -93,7 +93,7 @@ class HubLink:
         return last is not None and tick - last.tick <= self.timeout
 
     def leads_to(self, system: int, component: int | None, tick: int) -> bool:
-        """Return True if a frame of this sender arrived within the timeout. None stands for any component."""
+        """Return True if a frame of this sender arrived within the timeout. None means any component."""
         return any(
             station.system == system and component in (None, station.component) and tick - last.tick <= self.timeout
             for station, last in self._stations.items()

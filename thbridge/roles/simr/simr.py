@@ -54,7 +54,7 @@ MANUAL_SPEEDS = {
     canonical.MoveDirection.TURN_CLOCKWISE: (0.0, -1.0),
     canonical.MoveDirection.TURN_ANTICLOCKWISE: (0.0, 1.0),
 }
-"""Shares of forward speed and turn rate, by direction. Full intensity is 0.5 m/s and 1 rad/s."""
+"""Forward speed and turn rate for each direction, as shares of the full intensity, which is 0.5 m/s and 1 rad/s."""
 
 
 class SimR(RobotsRole):

@@ -10,7 +10,7 @@ HANDSHAKE_SECONDS = 10.0
 """Maximum time in seconds from the connection to the end of the peer's header."""
 
 _LINGER = 60.0
-"""Seconds after the close in which a peer can read the remaining data, such as a large map over a slow radio link."""
+"""Seconds after closing for which a peer can read the remaining data, such as a large map over a slow radio link."""
 
 
 _KEEPALIVE = ((("TCP_KEEPIDLE", "TCP_KEEPALIVE"), 60), (("TCP_KEEPINTVL",), 10), (("TCP_KEEPCNT",), 9))

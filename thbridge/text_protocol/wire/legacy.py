@@ -23,7 +23,7 @@ TABUI = "TabUI"
 """The participant's program."""
 
 HIDER = "Hider"
-"""The program that knows the treasures."""
+"""Name of the program that knows the treasures."""
 
 _HEADING = "45"  # All programs of 2016 sent this heading, and none of them used it.
 _MAX_DIGITS = 9  # More digits may not fit into an int of Java.

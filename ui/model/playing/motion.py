@@ -53,7 +53,7 @@ BLEND = 0.07
 """Time constant with which corrections fade, seconds: 95 % in 0.2 s."""
 
 MAX_HELD_CORRECTION = 0.2
-"""Size in meters of the largest correction that never moves a driving robot backward."""
+"""Maximum size of a correction for which a driving robot is never moved backward, meters."""
 
 MOVING_SPEED = 0.03
 """Speed in m/s above which a robot counts as driving."""

@@ -11,7 +11,7 @@ _correct_coordinates = vars(_exporter)["correctCoordinates"]
 
 
 def repair_export() -> None:
-    """Repair the exporter in this process."""
+    """Repair pyqtgraph's exporter in this process."""
     vars(_exporter)["correctCoordinates"] = _correct_open
 
 

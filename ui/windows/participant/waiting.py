@@ -50,7 +50,7 @@ class WaitingChip(ParticipantButton):
         return QSize(self.width_of(self.short), self.height_of_two_lines())
 
     def width_of(self, short: bool) -> int:
-        """Return the width of the robot alone, or with two lines of words, logical pixels."""
+        """Return the width, logical pixels: if `short`, of the robot alone, otherwise also of two lines of words."""
         if short:
             return int(chip_size() + 2 * GAP)
         text = self._waiting.text if self._waiting is not None else ""

@@ -16,7 +16,7 @@ OFF = 0
 """Interval, in ticks, of a message that is not sent."""
 
 _SPREAD = 7
-"""Ticks between two messages of the same rate, and between two vehicles. This number divides no usual interval. So
+"""Ticks between two messages of the same rate, and between two vehicles. No usual interval is a multiple of it. So
 messages at 1 Hz are spread over the second."""
 
 

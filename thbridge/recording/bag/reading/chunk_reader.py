@@ -28,7 +28,7 @@ FEW = 16
 _CONNECTION = b"\x09\x00\x00\x00conn="
 """Beginning of the field `conn` in an index data record's header, before its value of 4 bytes."""
 _USUAL_HEAD = 55
-"""Bytes of an index data record's header with both lengths, as written by ROS and by thbridge."""
+"""Size in bytes of an index data record's header, including both lengths, as ROS and thbridge write it."""
 _BYTES_OF_U32 = np.arange(4)
 
 

@@ -61,7 +61,7 @@ class GameHistory:
             self._known_sentences[dialogue.dialogue] = len(dialogue.said) + 1
 
     def receive(self, texts: Texts, before: View | None, view: View, *, once: bool = False) -> None:
-        """Add the news of a view. If `before` is None, this is the first view of the game.
+        """Add everything that is new in a view. If `before` is None, this is the first view of the game.
 
         `Participant` describes `once`.
         """

@@ -111,7 +111,7 @@ def _open_dialogue(view: View, robot: int) -> int | None:
 
 
 def _ended_dialogue(view: View, request: ParticipantRequest) -> int | None:
-    """Return the number of the last ended dialogue with the robot from which a dialogue is requested, or None."""
+    """Return the number of the last ended dialogue with the robot if the request is for a new dialogue, or None."""
     if not isinstance(request, SelectRoom | RequestSuggestion | OpenDialogue):
         return None
     return next((words.dialogue for words in view.last_words if words.robot == request.robot), None)

@@ -50,7 +50,7 @@ class Gesture:
 
     @property
     def size(self) -> float:
-        """Diameter or side of an obstacle that is drawn from its middle, meters."""
+        """Size of an obstacle, drawn from its middle: diameter or side, meters."""
         return DEFAULT_SIZE if self.is_click else max(2.0 * self.length, LEAST_SIZE)
 
 
