@@ -83,7 +83,7 @@ class HuntStudy:
         return HuntStudy._of(study, self._beside)
 
     def _with_study(self, study: Study) -> "HuntStudy":
-        """Return this study with other values that name the same files."""
+        """Return a study with the values of `study`, which names the same files as this study."""
         made = HuntStudy.__new__(HuntStudy)
         made._beside = self._beside
         made._setting = replace(self._setting, study=study)

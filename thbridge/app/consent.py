@@ -1,4 +1,4 @@
-"""Question for consent, which the participant's program gets before a session runs and is recorded."""
+"""Request for consent, which the participant's program gets before a session runs and is recorded."""
 
 from collections.abc import Sequence
 

@@ -243,7 +243,7 @@ class _Hunt:
         self._server.note_game(*self._session.game_name)
 
     async def agree(self, opened: AsyncExitStack) -> None:
-        """Ask the participant of another program for consent. Raises ParticipantDeclined: they did not agree."""
+        """Ask the participant in another program for consent. Raises ParticipantDeclined: they did not agree."""
         if self._desk is not None:
             opened.push_async_callback(self._server.stop)
             await self._listen()

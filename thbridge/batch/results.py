@@ -111,7 +111,7 @@ class FactorColumns:
 
     @classmethod
     def of(cls, factors: Sequence[str], written: Mapping[int, Mapping[str, str]]) -> "FactorColumns":
-        """Return the columns for levels as texts. A column has numbers if all its levels are numbers."""
+        """Return the columns for levels that are given as texts. A column has numbers if all its levels are numbers."""
         kinds = {factor: _kind([each[factor] for each in written.values() if factor in each]) for factor in factors}
         readers: Mapping[str, Callable[[str], Level]] = {"int64": int, "double": float, "string": str}
         levels: dict[int, Mapping[str, Level]] = {

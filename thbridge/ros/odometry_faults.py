@@ -36,11 +36,11 @@ LEAST_ABOVE_USUAL = (2.0, 3.0)
 FASTEST = (50.0, 50.0)
 """Speeds in m/s and rad/s that no robot exceeds, even if most surrounding values are wrong."""
 RETURN_NS = 1_000_000_000
-"""Maximum time after which odometry returns from outliers."""
+"""Maximum duration of outliers. If odometry returns later, it does not count as a return from outliers."""
 LEAST_MESSAGES = 3
 """Minimum number of consecutive messages after a jump. If there are fewer, the jump is an outlier."""
 AT_ORIGIN = 0.5
-"""Maximum distance from 0 of odometry that counts as reset after a jump, meters and radians."""
+"""If odometry after a jump is at most this far from 0, it counts as reset; meters and radians."""
 MISSED = ((0.05, 0.03), (1.0, 0.5))
 """Minimum and maximum standard deviations of the motion that a reset hides from odometry, in meters and radians."""
 

@@ -96,7 +96,7 @@ class ReconnectingClient(ABC):
             delay = min(2.0 * delay, self._backoff.maximum)
 
     def _accepted(self, writer: asyncio.StreamWriter) -> None:
-        """Note that the server has accepted us."""
+        """Record that the server has accepted us."""
         self._writer = writer
         self._reason = None
 

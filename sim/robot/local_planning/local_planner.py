@@ -34,7 +34,7 @@ Then obstacles count only where the robot would touch them.
 """
 STALL_DISTANCE = 0.3
 FREE_AGAIN_DISTANCE = 1.0
-"""Distance after which a robot is no longer stalled, and the costs of obstacles count again, meters."""
+"""After a robot has moved this distance, it is no longer stalled, and the costs of obstacles count again, meters."""
 BACK_ALONG = 0.1
 """Maximum change of heading since a robot last drove forward, radians. After a larger change, a robot with little
 margin must not back up. Costmaps forget obstacles under the padded outline, and a laser does not see behind the robot.

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, replace
 
 MIN_AGREEMENT = 0.7
-"""Minimum share of the last two or three scans that the map explains at the true pose, even among seven other robots.
-At four of five wrong places, the map explains a smaller share."""
+"""At the true pose, the map explains at least this share of the last two or three scans, even with seven other robots
+nearby. At four of five wrong places, the map explains a smaller share."""
 
 DOUBT_RATIO = 0.9
 """Minimum ratio of the agreement in the long run to the usual agreement. Places that look alike usually differ by one

@@ -310,7 +310,7 @@ def _text(data: bytes, at: int) -> tuple[bytes, int]:
 
 
 def _sane(count: int, data: bytes, at: int, smallest: int) -> int:
-    """Return the count if the message is long enough for it: broken messages can have counts of billions."""
+    """Return the count if the message is long enough for this number of elements. A broken message may have any count."""
     if count * max(smallest, 1) > len(data) - at:
         raise ValueError(_TOO_SHORT)
     return count

@@ -310,7 +310,7 @@ class _Sources:
         return self._take("odometry", (topics, (ODOM_FRAME,)), (edges, ()))
 
     def _estimate(self, odometry: _Taken) -> tuple[_Taken, _Taken | None]:
-        """Return its estimated poses. If its odometry has corrections map -> odom, return these instead of poses."""
+        """Return the robot's estimated poses. If its odometry has corrections map -> odom, return these instead."""
         if self._named.estimate is not None:
             return self._by_name("estimate", self._named.estimate), None
         frame = frame_name(odometry.poses.frame)
@@ -324,7 +324,7 @@ class _Sources:
         return self._take("estimate", (_estimates(self._poses), ESTIMATES), (fused, ()), (direct, ())), None
 
     def _admitted(self, by_stamp: bool) -> FloatArray:
-        """Return (d, 3) table of time and the standard deviations that its localizer reports."""
+        """Return (d, 3) table of time and the standard deviations that the robot's localizer reports."""
         names = usual_first(_estimates(self._poses), ESTIMATES)
         if not names:
             return np.empty((0, 3))

@@ -93,7 +93,7 @@ class Conversation:
         return case_of(robot.beliefs.stance(proposition), robot.picture.stance(proposition))
 
     def legal(self, number: int) -> tuple[DialogueMove, ...]:
-        """Return the legal moves in a dialogue of the side whose turn it is; none while the dialogue waits."""
+        """Return the legal moves in a dialogue for the side whose turn it is; none while the dialogue waits."""
         return tuple(legal.move for legal in self._legal(self.play(number)))
 
     def openings(self, side: Side, proposition: Proposition, parent: int | None = None) -> tuple[Opening, ...]:

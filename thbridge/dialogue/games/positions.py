@@ -51,7 +51,10 @@ _OWN_WORDS = Obstacle(
 
 
 def speaker_in(table: GameTable, position: TablePosition) -> GameRole | None:
-    """Return the speaker, initiator or respondent; None if a table says defender or challenger before any claim."""
+    """Return the speaker: the initiator or the respondent.
+
+    Return None if the table expects the defender or the challenger although there is no claim yet.
+    """
     turn = table.stages[position.stage].turn
     if turn in {GameRole.INITIATOR, GameRole.RESPONDENT}:
         return turn

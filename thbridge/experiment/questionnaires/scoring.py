@@ -130,7 +130,8 @@ def _omega(covariance: FloatArray) -> float:
 def _one_factor(correlation: FloatArray) -> FloatArray:
     """Return the (k,) loadings of one factor with the least sum of squared residual correlations.
 
-    Each step sets one loading to its best value for the present other loadings, until no loading changes.
+    Each step sets one loading to the value that is best while the other loadings are fixed. The steps end when no
+    loading changes.
     """
     k = len(correlation)
     between = correlation - np.diag(np.diag(correlation))

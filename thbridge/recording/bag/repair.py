@@ -110,7 +110,7 @@ class _Losses:
             self.spans[-1] = replace(self.spans[-1], lost=self.spans[-1].lost + span.lost)
 
     def renumbered(self, known: BagConnection, other: BagConnection) -> BagConnection:
-        """Note that two connections have the same number; return the second connection with a new number."""
+        """Record that two connections have the same number; return the second connection with a new number."""
         shared = self.sharing.setdefault(other.number, {(known.topic, known.msgtype): known.number})
         fresh = SHARED_NUMBERS + sum(map(len, self.sharing.values()))  # of integers
         shared.setdefault((other.topic, other.msgtype), fresh)

@@ -162,7 +162,7 @@ class GameDialogues:
         self.not_restored += (dialogue.number,)
 
     def go_on(self, state: GameState) -> None:
-        """Let robots make the turns that were due at the interruption of the game. Do not repeat restored turns."""
+        """Let robots make the turns that were due when the game was interrupted. Do not repeat restored turns."""
         self._utterances.clear()
         for dialogue in self.under_way:
             self._follow(state, self._engine.release(dialogue))
@@ -337,7 +337,7 @@ def _topic(state: GameState, scenario: Scenario, robot: int, room: Room, room_na
 
 
 def _nearest_other(state: GameState, robot: int, room: Room) -> int | None:
-    """Return the other robot that can drive to a room with the least energy, or None."""
+    """Return the other robot that needs the least energy to drive to a room, or None."""
     costs = {
         other: state.cost(other, room)
         for other, mover in enumerate(state.robots)

@@ -16,7 +16,7 @@ class RecentHandbacks:
 
     @property
     def robots(self) -> frozenset[int]:
-        """Robots that the participant cannot ask for again yet."""
+        """Robots that the participant has requested from their commanders, and cannot request again yet."""
         return frozenset(self._asked)
 
     def note(self, event: JournalEntry, tick: int) -> None:

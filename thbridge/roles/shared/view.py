@@ -172,7 +172,7 @@ class LastWords:
         room: number of the agreed room. Without an agreement, number of the room in the dialogue.
         said: all sentences, oldest first. Empty if there were no new sentences.
         speakers: speaker of each sentence.
-        agreed: True if the side with the last word has decided that the decision is carried out.
+        agreed: True if the decision is carried out, as the side with the last word has decided.
         is_told: True if a sentence of the robot states the next event.
     """
 

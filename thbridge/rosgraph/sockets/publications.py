@@ -58,11 +58,11 @@ class SubscriberQueue:
         return True
 
     def pause(self) -> None:
-        """Note that the socket is full."""
+        """Record that the socket is full."""
         self._paused = True
 
     def resume(self) -> None:
-        """Note that the socket is writable again, and send queued messages."""
+        """Record that the socket is writable again, and send queued messages."""
         self._paused = False
         while self._waiting and not self._paused:  # The transport may pause this queue again at each message.
             message = self._waiting.popleft()

@@ -173,7 +173,7 @@ class TcprosServer:
         return publication
 
     def admit_client(self, connection: _Inbound) -> None:
-        """Note that a connection belongs to a client of a service."""
+        """Record that a connection belongs to a client of a service."""
         if connection in self._silent:
             del self._silent[connection]
             self._clients[connection] = None

@@ -85,7 +85,7 @@ class RouterInterface(Protocol):
         """Remove a connection that has ended."""
 
     def report_backlog(self, connection: ConnectionId, size: int) -> Sequence[RouterOutput]:
-        """Note the number of bytes that are queued for a connection."""
+        """Record the number of bytes that are queued for a connection."""
 
     def advance(self, now: float) -> Sequence[RouterOutput]:
         """Ping idle connections."""
@@ -216,7 +216,7 @@ class TextServer:
                     pass  # Only the session uses this output. The server has nothing to send.
 
     def note_game(self, name: str, over: bool) -> None:
-        """Note the unique name of the present or next game, and whether the game is over.
+        """Record the unique name of the present or next game, and whether the game is over.
 
         Participants with keys enter this game. From then on, their keys are valid only for this game. A game that is
         over admits no new participants.

@@ -370,7 +370,7 @@ class MessageRouter:
         return [] if client is None else self._release(client)
 
     def report_backlog(self, connection: ConnectionId, size: int) -> list[RouterOutput]:
-        """Note the number of bytes in a connection's outgoing buffer. Close the connection if there are too many."""
+        """Record the number of bytes in a connection's outgoing buffer. Close the connection if there are too many."""
         client = self._connections.get(connection)
         if client is None or size <= self.limits.backlog:
             return []

@@ -47,7 +47,7 @@ GAP = 2.0
 """Simulated seconds between two samples. After a longer gap, playback restarts, as after a lost connection."""
 
 MAX_EXTRAPOLATION = 0.1
-"""Simulated seconds for which robots are extrapolated without a new sample, at decreasing speed."""
+"""Without a new sample, a robot is drawn ahead for this time at decreasing speed, simulated seconds."""
 
 BLEND = 0.07
 """Time constant with which corrections fade, seconds: 95 % in 0.2 s."""

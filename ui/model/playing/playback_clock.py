@@ -10,7 +10,7 @@ MIN_RATE_WINDOW = 0.2
 """Duration in seconds that the samples must cover before a rate is estimated."""
 
 FIRST_DELAY = 0.05
-"""Delay in seconds until the latency of the network is known."""
+"""Delay in seconds that is used until the latency of the network is known."""
 
 CATCH_UP_BURST = 0.1
 """Time after a standstill within which the network may deliver all delayed samples at once, seconds."""

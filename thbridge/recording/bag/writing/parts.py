@@ -73,7 +73,7 @@ class SplitBagWriter:
         self._end_ns = piece.chunk.end_ns
 
     def preview(self, piece: QueuedChunk) -> None:
-        """Force a chunk that is still growing onto the disk, with all earlier chunks. Raises OSError."""
+        """Force all earlier chunks and a chunk that is still growing onto the disk. Raises OSError."""
         self._turn_to(piece)
         self._file.preview(piece.chunk)
         self.sync()

@@ -23,7 +23,7 @@ from thbridge.hunt.tour import Tour, why_no_tour
 from thbridge.roles.shared.participant_rules import Discussed, Situation, free_to_discuss
 
 _MOST_ROOMS_COMPARED = {1: 17, 2: MOST_ROOMS_OF_A_TEAM, 3: 14, 4: 13}
-"""Largest number of remaining rooms for a comparison of all plans, by number of robots. For more robots, it is 12.
+"""If at most this number of rooms remains, all plans are compared. The key is the number of robots; above 4, it is 12.
 
 The game waits for the advice. Up to this number, the comparison takes at most 0.5 s. This time includes the values of
 all other next rooms, because arguments need these values. For more rooms, a heuristic search takes the same time.

@@ -65,7 +65,7 @@ def sense_for_stations(game: OpenGame, state: GameState) -> None:
 
 
 def kept_commands(former: GameState, robots: int) -> tuple[CommanderChanged, ...]:
-    """Return the events that continue ground stations' commands in the next game, with a team of `robots` robots."""
+    """Return the events by which ground stations keep their robots in the next game; it has `robots` robots."""
     return tuple(
         CommanderChanged(number, robot.holder.by, robot.holder.name)
         for number, robot in enumerate(former.robots[:robots])
@@ -74,7 +74,7 @@ def kept_commands(former: GameState, robots: int) -> tuple[CommanderChanged, ...
 
 
 def return_robots(game: OpenGame) -> None:
-    """Give the command of all robots to the participant: after a restart, no other commander is connected."""
+    """Let the participant command all robots, because no other commander is connected after a restart."""
     robots = () if game.state is None else game.state.robots
     game.record(
         tuple(
