@@ -46,7 +46,7 @@ class EkfParameters:
 
 @dataclass(frozen=True, slots=True)
 class UkfParameters:
-    """Sigma points of the unscented Kalman filter localization. All other parameters are those of `ekf`.
+    """Sigma points of the unscented Kalman filter localization. All other parameters are the same as for `ekf`.
 
     Names and defaults are those of robot_localization's ukf_localization_node.
     """

@@ -33,7 +33,7 @@ def with_ros_defaults(section: T) -> T:
 
 
 def parameters_of(section: "DataclassInstance", prefix: str = "") -> Iterator[tuple[str, object]]:
-    """Yield path (e.g. `obstacle_layer.obstacle_range`) and value of those parameters of a section that ROS has."""
+    """Yield path (e.g. `obstacle_layer.obstacle_range`) and value of each parameter of a section that ROS also has."""
     for field in dataclasses.fields(section):
         own = cast(object, getattr(section, field.name))
         if field.name in not_in_ros(type(section)):

@@ -1,7 +1,7 @@
 """Physics of differential-drive robots: they move, touch walls and each other, and measure their wheels' rotation.
 
-A tick is one call of a compiled kernel for all robots. Robots move one after another in the team's order. Each
-robot touches the present bodies of the other robots. So no two robots ever overlap, and no robot has to wait for
+A tick is one call of a compiled kernel for all robots. Robots move one after another in the team's order. A
+robot's move ends at the present bodies of the other robots. So no two robots ever overlap, and no robot has to wait for
 another robot.
 """
 

@@ -58,7 +58,7 @@ class SweepStatus:
 RECENT = 50
 """Number of newest files from which the rate is computed."""
 A_BREAK = 600.0
-"""Seconds without a new file after which the sweep counts as interrupted."""
+"""The sweep counts as interrupted after this number of seconds without a new file."""
 
 
 def status_of(root: Path) -> SweepStatus:

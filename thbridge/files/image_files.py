@@ -128,7 +128,7 @@ _LINE_END = re.compile(rb"[\r\n]")
 def _raster_begin(data: bytes, end: int, size: int) -> int:
     """Return the offset of the pixels, which have `size` bytes; the last number of the header ends at `end`.
 
-    Exactly one blank ends the header. The next byte is a pixel, even if its value is that of a blank. But if an editor
+    Exactly one blank ends the header. The next byte is a pixel, even if it has the value of a blank. But if an editor
     has written CR LF as line ends, both bytes end the header. A comment directly after the last number ends at the end
     of its line.
     """

@@ -19,7 +19,7 @@ from thbridge.hunt.rooms import Room
 ROUNDS = 300
 """Number of rounds with changes of prices. They take about 0.1 s for fifty rooms."""
 _ROUNDS_WITHOUT_PROGRESS = 20
-"""Number of rounds without a better bound after which price changes are halved."""
+"""Price changes are halved after this number of rounds without a better bound."""
 
 
 def least_tour_cost(costs: CostMatrix, at: Room, unvisited: Collection[Room], known: float) -> float:

@@ -1,6 +1,6 @@
 """Effects of noise for drawings: spread of odometry, spread of a particle filter without scans, a noisy laser scan.
 
-The models are those of the simulation: `sim.world.physics` for odometry, `sim.robot.localization.motion` for amcl, and
+The models are the simulation's models: `sim.world.physics` for odometry, `sim.robot.localization.motion` for amcl, and
 `sim.world.sensors` for the laser. Seeds are fixed, so that two drawings differ only by the changed parameters.
 """
 

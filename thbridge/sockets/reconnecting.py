@@ -40,7 +40,7 @@ class Backoff:
     Attributes:
         initial: delay before the first reconnection. It doubles at each further reconnection.
         maximum: maximum delay between two attempts.
-        timeout: time without a byte from the server after which the connection counts as broken. The server pings
+        timeout: a connection counts as broken after this time without a byte from the server. The server pings
             idle clients every 15 s.
     """
 

@@ -4,7 +4,7 @@ import ctypes
 
 _M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3
 _LARGE = 1 << 20
-"""Size in bytes from which a block of memory is allocated separately."""
+"""A block of memory is allocated separately if it has at least this size in bytes."""
 
 
 def give_large_blocks_back() -> None:

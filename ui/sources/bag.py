@@ -180,7 +180,7 @@ class BagSource:
         return sorted(held.values(), key=lambda message: message.stamp_ns)
 
     def _moving_at(self, topic: str, at_ns: int) -> dict[bytes, RawMessage]:
-        """Return the last message of a tf topic about each moving frame, by its child frames."""
+        """Return, for each moving frame, the last message of a tf topic about this frame, by child frames."""
         held: dict[bytes, MessageLocation] = {}
         for chunk in self._index.chunks_back(topic, at_ns, at_ns - HORIZON_NS):
             for key, places in self._frame_places_in(topic, chunk).items():

@@ -151,7 +151,7 @@ def fixed_font() -> QFont:
 def apply_palette(app: QApplication, palette: Palette) -> None:
     """Set the palette of the whole application, including open windows.
 
-    The usual size of text is that of the system, but at least a readable size.
+    The usual size of text is the system's size, but at least a readable size.
     """
     if not app.property("dressed"):
         _Current.usual = _Current.body = max(_SMALLEST_BODY, app.font().pointSizeF())
@@ -166,7 +166,7 @@ def apply_palette(app: QApplication, palette: Palette) -> None:
 
 
 def apply_text_size(app: QApplication, factor: float) -> None:
-    """Set the size of all text, including that of open windows, as a multiple of the usual size."""
+    """Set the size of all text, including text in open windows, as a multiple of the usual size."""
     _Current.body = _Current.usual * factor
     _set_fonts(app)
     app.setStyleSheet(_sheet(_Current.palette))

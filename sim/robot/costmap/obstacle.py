@@ -390,7 +390,7 @@ class ObstacleLayer:
 
     Attributes:
         marks: (rows, cols) LETHAL for obstacles, FREE for seen free space, otherwise UNKNOWN.
-        explained_range: distance from the laser beyond which discs are not needed to explain readings, meters.
+        explained_range: distance from the laser, meters. Beyond it, no discs are needed to explain readings.
     """
 
     reach = 0

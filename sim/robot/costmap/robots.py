@@ -29,7 +29,7 @@ _NO_PATH: FloatArray = np.empty((0, 2))
 
 @njit(cache=True)
 def _fill(costs: Costs, corners: FloatArray, row: int, col: int, row_end: int, col_end: int) -> None:
-    """Make those cells of a window lethal that have their center in a polygon (even-odd rule).
+    """Make all cells of a window lethal whose centers are in a polygon (even-odd rule).
 
     Args:
         corners: (n, 2) column and row, in cells of `costs`.

@@ -2,12 +2,12 @@
 
 The potential of a cell is the cost of the cheapest path to it from the start of the wave. The only minimum is at the
 start, so going downhill finds a path from any cell (a navigation function). The wave is Dijkstra's algorithm with two
-changes. First, the potential of a cell is that of a plane wave between its two lowest neighbors, instead of one
-neighbor plus a step. So paths are not restricted to rows, columns and diagonals (Konolige's gradient method). Second,
-three unsorted queues replace a sorted queue. They contain the cells of this round, the cells of the next round, and
-cells that are postponed because they cost more than a threshold. The threshold rises when the first two queues are
-empty. So a cell may be visited before its potential is final. It is queued again when a neighbor can lower its
-potential.
+changes. First, the potential of a cell is computed as for a plane wave between its two lowest neighbors, and not as
+the potential of one neighbor plus a step. So paths are not restricted to rows, columns and diagonals (Konolige's
+gradient method). Second, three unsorted queues replace a sorted queue. They contain the cells of this round, the cells
+of the next round, and cells that are postponed because they cost more than a threshold. The threshold rises when the
+first two queues are empty. So a cell may be visited before its potential is final. It is queued again when a neighbor
+can lower its potential.
 
 Cells are numbered row by row. Positions are (x, y) in cells, with whole numbers at cell centers. Costs of crossing are
 whole numbers from 1 to 255, or BLOCKED. All cells at the border of the map are blocked.

@@ -193,8 +193,8 @@ class _OscillationCritic:
     """Critic that forbids a robot to reverse its direction immediately (oscillation_cost_function.cpp).
 
     Args:
-        reset_dist: distance after which it may reverse, meters.
-        reset_angle: turn after which it may reverse, radians.
+        reset_dist: distance after which the robot may reverse, meters.
+        reset_angle: turn after which the robot may reverse, radians.
 
     Attributes:
         only: required signs of v and w. 0 permits both.

@@ -28,7 +28,7 @@ ALIGNED = 0.05
 """Angle below which a robot starts to drive after it has turned to a heading that brings progress, radians."""
 OUTLINE_SPACING = 0.1
 STALL_TIMEOUT = 3.0
-"""Seconds of driving after which a robot that has not moved STALL_DISTANCE meters is stalled.
+"""A robot is stalled if it has not moved STALL_DISTANCE meters in this number of seconds of driving.
 
 Then obstacles count only where the robot would touch them.
 """

@@ -116,7 +116,7 @@ class Hypothesis:
         covariance: (3, 3) covariance of this pose. Read-only.
         updates: number of scans weighed since the hypothesis was created.
         agreement: share of the scans that the map explains.
-        settled: number of scans with a narrow cloud since nearly all particles have agreed on one pose that fits the map.
+        settled: number of scans with a narrow cloud since nearly all particles agreed on one pose that fits the map.
         noise_scales: factors of the odometry noise, relative to the parameters.
         share: share of the weight in the heaviest cluster at the last update.
     """
@@ -211,7 +211,7 @@ class CloudFilter:
         """Return the part of a scan that is used.
 
         Raises:
-            ValueError: the number of beams differs from that of the filter's laser.
+            ValueError: the scan and the filter's laser have different numbers of beams.
         """
         if len(scan.ranges) != self._beams.mount.beams:
             raise ValueError(f"a scan has {len(scan.ranges)} beams, but the laser has {self._beams.mount.beams}")

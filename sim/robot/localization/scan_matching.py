@@ -31,7 +31,7 @@ _FEWEST = 20
 GOOD, _MARGIN = 0.8, 0.1
 """Share of the points that must be on walls at a found pose, and minimum lead of this share over other poses."""
 NEAR = 1.5
-"""Distance from the last pose within which a lost robot is searched first, meters."""
+"""A lost robot is first searched within this distance of its last pose, meters."""
 _STEPS = 4
 """Number of Gauss-Newton steps at each width, from coarse to fine."""
 _DAMPING = 1e-3

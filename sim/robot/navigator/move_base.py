@@ -266,7 +266,7 @@ class Navigator:
 
     @property
     def recovery(self) -> RecoveryProgress:
-        """The recovery behaviors, and the number of those that were tried."""
+        """The recovery behaviors, and the number of behaviors that were tried."""
         return self._execution.recovery.progress
 
     @property

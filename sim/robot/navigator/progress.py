@@ -10,9 +10,9 @@ PROGRESS_TIMEOUT = 120.0
 """Seconds within which the remaining path must become shorter than ever before. The time for the goal's longest path is
 added. If the path does not become shorter, the goal is given up. So every goal ends."""
 PROGRESS_DISTANCE = 0.5
-"""Meters by which the remaining path must become shorter."""
+"""A robot makes progress if its remaining path becomes shorter by this number of meters."""
 STAY_TIMEOUT = 20.0
-"""Seconds of driving within STAY_DISTANCE of one place after which a recovery behavior is due, even if
+"""A recovery behavior is due after this number of seconds of driving within STAY_DISTANCE of one place, even if
 `oscillation_timeout` is 0. It allows for the slowest robots of other labs, which drive 0.1 m/s."""
 STAY_DISTANCE = 0.5
 """Distance within which a robot counts as staying in one place, meters."""

@@ -49,7 +49,7 @@ class KnownFolders:
         return True
 
     def paths(self) -> list[Path]:
-        """Return all folders, including those that no longer exist.
+        """Return all folders, including folders that no longer exist.
 
         Raises:
             BadFile: the list cannot be read.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 MOST = 64 << 20
-"""Size in bytes up to which arrays stay in memory."""
+"""Arrays up to this size in bytes stay in memory."""
 
 
 def mapped(arrays: Iterable[NDArray[np.float32]], size: int) -> list[NDArray[np.float32]]:

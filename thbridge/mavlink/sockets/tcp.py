@@ -23,7 +23,7 @@ CONNECTIONS = 32
 connection, it is refused."""
 
 BACKLOG = 1024 * 1024
-"""Number of unread bytes after which a peer is disconnected."""
+"""A peer is disconnected if it has not read this number of bytes."""
 
 _SEGMENT = 4096
 """Maximum number of bytes that are parsed in one round of the event loop."""

@@ -45,7 +45,7 @@ class VehicleOptions:
     Attributes:
         identity: autopilot that the vehicles claim to have.
         origin: position of the map's origin on earth.
-        lost_after: seconds without a heartbeat after which a ground station is lost.
+        lost_after: a ground station is lost after this number of seconds without a heartbeat.
         failsafe: action of a robot whose ground station is lost.
         position_rate: default rate of position, attitude and speed messages, Hz.
         visited_rooms: action of a mission at an already visited room.

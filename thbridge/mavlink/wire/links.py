@@ -35,7 +35,7 @@ class HubLink:
 
     Attributes:
         name: name for people.
-        timeout: ticks after a frame for which its sender counts as present.
+        timeout: number of ticks for which the sender of a frame counts as present.
         robot: index of the only vehicle on the link. If None, all vehicles are on the link.
         received: number of frames received and accepted.
         lost: number of lost frames, according to gaps in the senders' sequence numbers.

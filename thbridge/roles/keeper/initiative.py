@@ -71,11 +71,11 @@ def _opening(
 
 
 def decide_alone(game: OpenGame, timeout: int) -> bool:
-    """Let robots decide alone if the participant has ignored them for too long. Return True if there are such robots.
+    """Let robots decide alone if the participant has ignored them for too long. Return True if any robot decides alone.
 
     Args:
         game: the open game.
-        timeout: number of ticks without the participant's attention after which a robot decides alone.
+        timeout: a robot decides alone after this number of ticks without the participant's attention.
     """
     state = game.state
     if state is None:

@@ -10,7 +10,7 @@ from thbridge.roles.shared.view import DialogueView
 MOST_REPLIES = 8
 """Number of replies in a dialogue after which a sceptic gives in or leaves."""
 MOST_TALK = 24
-"""Number of replies in a dialogue after which every participant leaves, because a robot may mishear repeatedly."""
+"""Every participant leaves a dialogue after this number of replies, because a robot may mishear repeatedly."""
 QUESTION_PROBABILITY = 0.2
 """Probability that a sceptic asks a question before the reply."""
 REJECTION_PROBABILITY = 0.5

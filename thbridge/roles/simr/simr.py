@@ -44,7 +44,7 @@ KEEPER_TIMEOUT = TICKS_PER_SECOND
 `%%goto` as in 2016."""
 
 RESPONSE_TIMEOUT = 5 * TICKS_PER_SECOND
-"""Default number of ticks without observations after which a robot counts as silent."""
+"""By default, a robot counts as silent after this number of ticks without observations."""
 
 MANUAL_SPEEDS = {
     canonical.MoveDirection.FORWARD: (1.0, 0.0),

@@ -1,7 +1,7 @@
 """ROS time for programs that drive robots. It never stops and never goes back."""
 
 CLOCK_TIMEOUT_NS = 2_000_000_000
-"""Time without a message on /clock after which ROS time continues with the wall clock.
+"""After this time without a message on /clock, ROS time continues with the wall clock.
 
 A simulator that has crashed must not stop the time of the other robots.
 """

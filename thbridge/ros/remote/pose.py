@@ -21,7 +21,7 @@ from thbridge.ros.names import frame_name
 from thbridge.ros.remote.names import RemoteNames
 
 STALE_NS = 5_000_000_000
-"""Default time without messages after which a part of a robot counts as dead."""
+"""By default, a part of a robot counts as dead after this time without messages."""
 SET_BACK_NS = 5_000_000_000
 """If a message is older than the last message by more than this time, it is not late. Then the robot's clock was set
 back, or its program was restarted."""

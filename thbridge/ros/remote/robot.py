@@ -1,7 +1,7 @@
 """Real robot of a team. Its messages become the output of a robot in the team. Inputs become messages to the robot.
 
 Time stamps in messages are times of the robot's own clock, and are only compared with each other. Times of arrival are
-times of our clock. The charge is that of the real battery, not the energy of the game. The turn rate is from odometry.
+times of our clock. The charge is from the real battery, not from the game. The turn rate is from odometry.
 """
 
 import math

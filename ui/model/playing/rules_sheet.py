@@ -10,7 +10,7 @@ from ui.model.playing.words import percent
 
 
 def rules_of(texts: Texts, view: View) -> tuple[str, ...]:
-    """Return the rules, with those numbers of a game that the participant may know."""
+    """Return the rules, with the numbers of a game that the participant may know."""
     # Column 0 is the corridor; robots cannot be sent there.
     moves = [cost for row in view.costs for cost in row[1:] if cost is not None]
     return rules_lines(

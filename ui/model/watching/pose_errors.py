@@ -16,7 +16,7 @@ _TRUTHS = 1024
 _WAITING = 64
 """Greatest number of estimates that wait for a true pose; when there are more, the oldest is dropped."""
 _STALE = 1.0
-"""Longest time between two true poses, in seconds, in which poses are interpolated."""
+"""Poses are interpolated between two true poses if the time between them is at most this, seconds."""
 _REPEATS = 3
 """If this number of successive true poses have the same stamp, stamps are ignored."""
 

@@ -51,7 +51,7 @@ class _Person:
         return any(read)
 
     def told_of_consent(self, name: str) -> str | None:
-        """Return a value of the log's data about the consent answer, or None."""
+        """Return a value from the logged answer to the consent question, or None."""
         answer = None if self.consent is None or self.consent.consent is None else self.consent.consent.get(name)
         return None if answer is None else str(answer)
 

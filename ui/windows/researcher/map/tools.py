@@ -18,7 +18,7 @@ class MapTool(StrEnum):
 
 
 CLICK_DISTANCE = 0.1
-"""Distance below which a drag counts as a click, meters."""
+"""A drag that is shorter than this counts as a click, meters."""
 DEFAULT_SIZE = 0.5
 """Diameter or side of an obstacle that a click adds, meters."""
 
