@@ -97,7 +97,7 @@ def play(
 
     The default study is `standard`; with --outside it is `original-2016`, the game of 2016.
 
-    Other programs may connect to the TCP port. They replace the built-in programs for the roles that --outside names.
+    Other programs may connect to the TCP port, and replace the built-in programs for the roles that --outside names.
     """
     from ui.first_start.bar import START_BAR, announce_start
 

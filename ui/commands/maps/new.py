@@ -45,7 +45,7 @@ def maps_new(
     ] = None,
     negate: Annotated[bool, typer.Option("--negate", help="Read an image with bright walls and a dark floor.")] = False,
     rooms: Annotated[
-        int | None, typer.Option(help="Number of rooms: use only the largest rooms. Default: all.", min=1, max=999)
+        int | None, typer.Option(help="Number of rooms; the largest rooms are used. Default: all.", min=1, max=999)
     ] = None,
     names: Annotated[
         str | None, typer.Option(help="Names of the rooms in the order of their numbers, separated by commas.")
