@@ -53,9 +53,9 @@ from thbridge.watching.wire import BagStreamReader, SessionMessage, parse_status
 HOST = "127.0.0.1"
 PATIENCE = 10.0
 WAIT_BOUND = 1.0
-"""Greatest wait of honest programs, and greatest lag of the session, for a successful test, seconds."""
+"""Maximum wait of honest programs, and maximum lag of the session, for a successful test, seconds."""
 MEMORY_BOUND = 256
-"""Greatest increase of memory during one attack, megabytes."""
+"""Maximum increase of memory during one attack, megabytes."""
 _OUTSIDE = 8
 """Number of attacking processes."""
 KEY = "honest-" + "0123456789abcdef"

@@ -32,7 +32,7 @@ from thbridge.study.study_file import CostModel, GameSection, Study
 TREASURE = TreasureKind({"colour": "Green", "footprint": "Round and Small"}, 10, "bottle", None)
 IDENTIFY_COST = 2.0
 SPREAD = 0.3
-"""Greatest deviation of a drive's duration from its cost in seconds, as a share of the cost."""
+"""Maximum deviation of a drive's duration from its cost in seconds, as a share of the cost."""
 
 PriceRow = tuple[float | None, ...]
 

@@ -22,7 +22,7 @@ TREND = 10
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """Greatest growth of a figure per simulated hour after the warm-up; `slack` is added once for the whole run."""
+    """Maximum growth of a figure per simulated hour after the warm-up; `slack` is added once for the whole run."""
 
     growth: float
     slack: float
@@ -38,7 +38,7 @@ BOUNDS: Mapping[str, Bound] = {
 In the first hours, caches and data for late watchers grow. `slack` allows this.
 """
 SLOWER = 1.25
-"""Greatest ratio of a tick's processor time in the second half after the warm-up to the first half.
+"""Maximum ratio of a tick's processor time in the second half after the warm-up to the first half.
 
 If the run measured the time of the yardstick, the times of ticks are divided by it.
 """

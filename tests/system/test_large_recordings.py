@@ -42,7 +42,7 @@ def bags(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 
 def peak(arguments: Sequence[object]) -> float:
-    """Greatest memory of the program, MB."""
+    """Maximum memory of the program, MB."""
     program = [sys.executable, "-c", "from ui.cli import main; main()", *map(str, arguments)]
     started = subprocess.Popen(program, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, used = os.wait4(started.pid, 0)

@@ -12,7 +12,7 @@ _log = logging.getLogger(__name__)
 
 
 MOST_KEPT = 1000
-"""Largest number of different problems that are counted. When there are more, counting restarts."""
+"""Maximum number of different problems that are counted. When there are more, counting restarts."""
 
 
 class TroubleLog:

@@ -177,7 +177,7 @@ def read_design(path: Path) -> SweepDesign:
 
 
 MOST_GAMES = 10_000_000
-"""Largest number of games in a sweep. They need about one year on twenty cores."""
+"""Maximum number of games in a sweep. They need about one year on twenty cores."""
 MOST_FAULTS = 10
 """Reading stops after this number of faults in conditions."""
 

@@ -163,7 +163,7 @@ def draw_curves(curves: Curves, axes: FigureAxes, style: FigureStyle) -> Figure:
 
 
 MOST_TICKS = 8
-"""Largest number of numeric levels for which each level has a tick."""
+"""Maximum number of numeric levels for which each level has a tick."""
 
 
 def _draw_curve(

@@ -27,7 +27,7 @@ LAYOUT = 1
 """Number of the folder's layout. Other releases may use other numbers."""
 LARGEST_MANIFEST = 1 << 28
 MOST_CHUNKS = 10_000_000
-"""Largest number of chunks of a readable manifest."""
+"""Maximum number of chunks of a readable manifest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -277,4 +277,4 @@ def _shortened(value: object) -> str:
 
 
 LONGEST_TOLD = 60
-"""Largest number of characters of a value in a message about the difference between two designs."""
+"""Maximum number of characters of a value in a message about the difference between two designs."""

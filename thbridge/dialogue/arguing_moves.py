@@ -39,7 +39,7 @@ SIDES: Mapping[Speaker, Side] = {Speaker.ROBOT: Side.ROBOT, Speaker.PERSON: Side
 ASKED = frozenset({Scenario.DONT_KNOW, Scenario.UNSURE_NAME})
 """Decisions for which the person has no opinion. The person asks the robot for advice."""
 MOST_CHOICES = 5
-"""Largest number of choices that a person has at once."""
+"""Maximum number of choices that a person has at once."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,9 +19,9 @@ from thbridge.dialogue.games.locutions import origin_of_hearsay
 from thbridge.json_text import json_of
 
 MOST_ARGUMENTS = 40
-"""Largest number of arguments in a portrait."""
+"""Maximum number of arguments in a portrait."""
 MOST_KEPT = 400
-"""Largest number of beliefs, moves of a store, or games in a portrait; if there are more, only the latest are kept."""
+"""Maximum number of beliefs, moves of a store, or games in a portrait; if there are more, only the latest are kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,9 +85,9 @@ class DialoguePortrait:
         games: dialogue games of the present situation, in order of opening.
         sigma: beliefs of the robot (Sigma).
         rules: rules that the robot holds, without rules of the language.
-        held: literals that the robot takes the person to hold (Gamma(H)).
-        unknown: propositions about which the robot takes the person to know nothing.
-        argued: conclusions for which the robot takes the person to have an argument.
+        held: literals that the person holds, as the robot assumes (Gamma(H)).
+        unknown: propositions about which the person knows nothing, as the robot assumes.
+        argued: conclusions for which the person has an argument, as the robot assumes.
         robot_store: moves in the robot's commitment store, oldest first.
         human_store: moves in the person's commitment store.
         arguments: arguments about the topics of the games and about its decisions, from its beliefs and the person's

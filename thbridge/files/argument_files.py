@@ -17,11 +17,11 @@ _FACT = re.compile(rf"\s*(?:(arg)\s*\(\s*({_NAME})\s*\)|(att)\s*\(\s*({_NAME})\s
 _NAMES_HOLD = "names cannot contain blanks, commas or brackets"
 _NUMBER = re.compile(r"[1-9][0-9]*|0")
 _LARGEST = 64_000_000
-"""Largest file in bytes."""
+"""Largest size of a file, bytes."""
 _MOST_ARGUMENTS = 10_000_000
-"""Largest number of arguments that a file may declare."""
+"""Maximum number of arguments that a file may declare."""
 _LONGEST = 60
-"""Largest number of characters that a message quotes from a file."""
+"""Maximum number of characters that a message quotes from a file."""
 _MOST_FAULTS = 20
 """Number of faults after which reading stops, because the file probably has another format."""
 

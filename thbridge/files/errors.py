@@ -11,7 +11,7 @@ _UNSEEN = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-
 """Characters that control terminals or the writing direction, line ends, and bytes of names that are not UTF-8."""
 
 _LONGEST = 1000
-"""Largest number of characters shown of a path or a key, because untrusted names may have half a million."""
+"""Maximum number of characters shown of a path or a key, because untrusted names may have half a million."""
 
 
 def visible(text: str, keep: str = "") -> str:

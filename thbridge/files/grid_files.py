@@ -28,7 +28,7 @@ OCCUPIED_THRESH = 0.65
 FREE_THRESH = 0.196
 
 LEAST_WALL = 0.05
-"""Least share of occupied cells along the edge of the floor. If it is less, walls probably have another shade."""
+"""Minimum share of occupied cells along the edge of the floor. If it is less, walls probably have another shade."""
 TINTED, LARGE_SHARE = 0.02, 0.05
 """Minimum darkness of a floor that counts as tinted, and minimum share of the image that counts as a large area."""
 

@@ -11,11 +11,11 @@ from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile
 
 MOST_PIXELS = 32_000_000
-"""Largest number of pixels: 280 m x 280 m at 0.05 m. Localization needs 32 bytes per cell: for this map, a gigabyte."""
+"""Maximum number of pixels: 280 m x 280 m at 0.05 m. Localization needs 32 bytes per cell: for this map, a gigabyte."""
 MOST_WORDS = 8_000_000
-"""Largest number of pixels that are written as text (P2), because each takes 40 bytes."""
+"""Maximum number of pixels that are written as text (P2), because each takes 40 bytes."""
 LARGEST_IMAGE = 1 << 29
-"""Largest file in bytes."""
+"""Largest size of a file, bytes."""
 
 _FORMATS = ("PNG", "PPM", "JPEG", "BMP", "GIF", "TIFF", "WEBP", "TGA", "PCX", "XPM")
 """Formats of Pillow that map_server also reads. For other formats, such as EPS, Pillow would run other programs."""

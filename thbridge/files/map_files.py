@@ -41,7 +41,7 @@ LEAST_FLOOR = 0.01
 MOST_AMISS = 0.75
 """If at least this share of goals and starts is off the floor, only the image is reported as faulty."""
 MOST_STARTS = 1000
-"""Largest number of start poses in a row; a longer row is a mistake."""
+"""Maximum number of start poses in a row; a longer row is a mistake."""
 
 
 @dataclass(frozen=True, slots=True)

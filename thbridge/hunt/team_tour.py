@@ -20,7 +20,7 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.tour import MOST_ROOMS, Tour, cost_to_go, first_order
 
 MOST_ROOMS_OF_A_TEAM = 16
-"""Largest number of rooms for an exact plan of a team. For four robots, this takes seconds."""
+"""Maximum number of rooms for an exact plan of a team. For four robots, this takes seconds."""
 _LOW_ROOMS = 9
 """Number of rooms in a block. All 3^9 pairs of a set and a subset in a block are compared in one operation."""
 

@@ -19,7 +19,7 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 
 MOST_ROOMS = 18
-"""Largest number of rooms for one robot's best tour. The table needs 8 bytes x 2^n x (n + 1), or 40 MB for 18 rooms."""
+"""Maximum number of rooms for one robot's best tour. The table needs 8 bytes x 2^n x (n + 1), or 40 MB for 18 rooms."""
 
 
 class NoTour(StrEnum):

@@ -61,7 +61,7 @@ class OdometryTrack:
         self._runs, self._missed = sound.runs, sound.missed
 
     def later(self, seconds: float) -> "OdometryTrack":
-        """Return the track with stamps that are `seconds` later, for odometry that is ahead of the scans."""
+        """Return the track with stamps that are `seconds` later, for odometry with stamps too early for the scans."""
         shift = round(seconds * 1e9)
         moved = copy(self)
         moved._runs = tuple(replace(run, stamps=run.stamps + shift) for run in self._runs)

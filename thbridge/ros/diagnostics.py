@@ -18,7 +18,7 @@ from thbridge.ros.names import CALLER, MAKES_WAY_FOR, NAVIGATION, RobotNames
 SPREAD = 0.5
 """Standard deviation of the position in meters above which a robot counts as unsure."""
 LOW_CHARGE = 0.2
-"""Fraction of the energy below which there is a warning."""
+"""If less than this fraction of the energy remains, there is a warning."""
 
 _ENDS = {
     GoalStatusCode.SUCCEEDED: (LogLevel.INFO, "was reached"),

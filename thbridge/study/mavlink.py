@@ -22,7 +22,7 @@ from thbridge.sockets.addresses import Address, UdpTarget, parse_address, parse_
 S = TypeVar("S")
 
 _NORTHERNMOST = 85.0
-"""Greatest latitude, degrees. The maps of ground stations end at this latitude."""
+"""Maximum latitude, degrees. The maps of ground stations end at this latitude."""
 _LOWEST, _HIGHEST = -500.0, 9000.0
 _ORIGIN_REMEDY = "Write degrees north, degrees east and meters above sea level, for example [51.5115, -0.116, 20.0]"
 

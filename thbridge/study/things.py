@@ -40,7 +40,7 @@ LONGEST = 86400.0
 LEAST_AREA = 1e-4
 MOST_CORNERS = 100
 FASTEST = 10.0
-"""Greatest speed, m/s."""
+"""Maximum speed, m/s."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ _LARGEST = 64 * 2**20
 """Largest size of a record, in bytes. A costmap of 400 m by 400 m with cells of 5 cm is smaller."""
 
 _SHOWN = 80
-"""Largest number of characters of a refused line that its refusal contains."""
+"""Maximum number of characters of a refused line that its refusal contains."""
 
 _U32 = struct.Struct("<I")
 _TIME = struct.Struct("<II")

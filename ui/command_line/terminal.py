@@ -50,7 +50,7 @@ _DISK_FAULTS = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, er
 _STANDARD_ERROR = 2
 """File descriptor of standard error, the last standard stream."""
 _LONGEST_NAME = 200
-"""Greatest number of characters of a bad file's name that an error message shows."""
+"""Maximum number of characters of a bad file's name that an error message shows."""
 out = VisibleConsole()
 err = VisibleConsole(stderr=True)
 

@@ -20,7 +20,7 @@ from ui.first_start.bar import (
 )
 
 COMPILERS = 4
-"""Greatest number of processes that compile. Each process needs 200 MB of memory."""
+"""Maximum number of processes that compile. Each process needs 200 MB of memory."""
 BESIDE = 5
 """Niceness of processes that compile during a hunt."""
 PERIOD = 0.2

@@ -72,7 +72,7 @@ class FormItem(msgspec.Struct, frozen=True):
 
     Attributes:
         labels: labels of the options, in the order of the options; if empty, the options themselves are shown.
-        one_line: True if the answer is a word or a code, after which Enter leads to the next item.
+        one_line: True if the answer is a word or a code. Then Enter leads to the next item.
     """
 
     id: str

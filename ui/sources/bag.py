@@ -28,13 +28,13 @@ TICK_NS = 20_000_000
 _FIRST_FRAMES = 50
 """Number of tf messages that are read to find robots whose odometry is not published."""
 _STATIC_MOST = 1000
-"""Greatest number of messages of static frames that are read."""
+"""Maximum number of messages of static frames that are read."""
 _CHUNKS_KEPT = 512
-"""Greatest number of chunks for which the positions of tf messages in the file are stored."""
+"""Maximum number of chunks for which the positions of tf messages in the file are stored."""
 _MESSAGES_KEPT = 512
-"""Greatest number of messages in the cache."""
+"""Maximum number of messages in the cache."""
 _PIECE = 100
-"""Greatest number of messages in one piece of a scan. Reading a piece takes some milliseconds."""
+"""Maximum number of messages in one piece of a scan. Reading a piece takes some milliseconds."""
 _LOG_SHARE = 0.1
 """Share of a scan's progress that belongs to the log; the rest belongs to the series."""
 

@@ -14,13 +14,13 @@ from thbridge.files.tables.table_files import ListColumn, OptionalColumn, Values
 from thbridge.recording.bag.reading.index import BagIndex, IndexedConnection, MessageLocation
 
 MOST_ELEMENTS = 32
-"""Greatest number of elements of one array (of numbers, or of messages) that a person can choose."""
+"""A person can choose at most this number of elements of an array of numbers or of messages."""
 _KEYS = frozenset({SECONDS.name, RECORDED.name, INDEX.name, "row"})
 """Columns that identify a row."""
 _PIECE = 100
 """Number of messages that are read in one piece. Reading a piece takes some milliseconds."""
 _TOGETHER = 4000
-"""Greatest number of messages that are decoded together."""
+"""Maximum number of messages that are decoded together."""
 _NO_CURVE: tuple[FloatArray, FloatArray] = (np.empty(0), np.empty(0))
 
 

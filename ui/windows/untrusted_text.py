@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QApplication, QLabel, QProxyStyle, QWidget
 from thbridge.files.errors import visible
 
 LONGEST, LONGEST_TITLE = 20_000, 160
-"""Greatest number of characters shown of a text, and of a title. Untrusted names can have half a million characters."""
+"""Maximum number of characters shown of a text, and of a title. Untrusted names can have half a million characters."""
 
 
 def shown(text: str, longest: int = LONGEST) -> str:
@@ -31,7 +31,7 @@ def button_text(text: str) -> str:
 
 
 def title_text(text: str) -> str:
-    """Return an untrusted text for a window title, in which [*] would be replaced by the sign of unsaved changes."""
+    """Return an untrusted text for a window title. Qt would replace [*] in it by the sign of unsaved changes."""
     return visible(shown(text, LONGEST_TITLE)).replace("[*]", "[*][*]")
 
 

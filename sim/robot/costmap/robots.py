@@ -18,7 +18,7 @@ from sim.robot.costmap.footprint_cost import circumscribed_radius, in_cells
 from sim.robot.costmap.lines import line
 
 MIN_MOTION = 0.05
-"""Change of position below which no update is needed, meters.
+"""Minimum change of position that needs an update, meters.
 
 For the heading, the limit in radians is twice this number.
 """

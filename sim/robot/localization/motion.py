@@ -13,7 +13,7 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 _STANDING = 0.01
-"""Distance between two positions below which their bearing is not reliable, meters (amcl)."""
+"""Minimum distance between two positions with a reliable bearing, meters (amcl)."""
 
 
 _SYSTEMATIC = 0.1

@@ -20,9 +20,9 @@ from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.messages.types import GAME_EVENT, UTTERANCE
 
 PIECE = 4 << 20
-"""Greatest number of bytes of a topic's messages that are converted to rows together."""
+"""Maximum number of bytes of a topic's messages that are converted to rows together."""
 LONGEST_TOPIC = 100
-"""Greatest number of characters of a topic in its table's name; longer topics are cut and get a digest."""
+"""Maximum number of characters of a topic in its table's name; longer topics are cut and get a digest."""
 HELD = 48 << 20
 """If all waiting messages have more bytes than this, the messages of one topic are converted."""
 

@@ -27,9 +27,9 @@ EVENT = "event_"
 HAS_COLUMNS = frozenset({"v", "event", "robot", "room"})
 """Keys of the JSON that get no column: they describe the format, or other columns have the value in ROS's numbering."""
 LONGEST_TABLE = 200
-"""Greatest length of a table's name, without the digest of longer names: file names have at most 255 characters."""
+"""Maximum length of a table's name, without the digest of longer names: file names have at most 255 characters."""
 MOST_FRAMES = 3
-"""Greatest number of frames that the dictionary lists for a column; with more, it names the column with the frames."""
+"""Maximum number of frames that the dictionary lists for a column; with more, it names the column with the frames."""
 
 
 def short_name(name: str, longest: int) -> str:

@@ -53,7 +53,7 @@ _MOMENT_DTYPES = {
 _LINE = "=" * 80 + "\n"
 _SEPARATOR = re.compile(r"^={80}\n", re.MULTILINE)
 _DEEPEST = 40
-"""Greatest depth of nested messages; a definition that contains itself is deeper."""
+"""Maximum depth of nested messages; a definition that contains itself is deeper."""
 
 
 @dataclass(frozen=True, slots=True)

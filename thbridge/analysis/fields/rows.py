@@ -22,7 +22,7 @@ from thbridge.analysis.fields.layout import (
 _COUNT = Struct("<I")
 _TOO_SHORT = "the message ends too early"
 ALIKE = 8
-"""Least number of successive messages of equal length that are cut into fields together."""
+"""Minimum number of successive messages of equal length that are cut into fields together."""
 
 Octets: TypeAlias = "NDArray[np.uint8]"
 
@@ -310,7 +310,7 @@ def _text(data: bytes, at: int) -> tuple[bytes, int]:
 
 
 def _sane(count: int, data: bytes, at: int, smallest: int) -> int:
-    """Return the count if the message is long enough for this number of elements. A broken message may have any count."""
+    """Return the count if the message is long enough to contain it. A broken message may have any count."""
     if count * max(smallest, 1) > len(data) - at:
         raise ValueError(_TOO_SHORT)
     return count

@@ -5,7 +5,7 @@ import numpy as np
 from sim.numerics.float_array import FloatArray
 
 POINTS = 700
-"""Greatest number of points of a curve, so that files do not grow with the session."""
+"""Maximum number of points of a curve, so that files do not grow with the session."""
 
 
 def simplified(line: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ from sim.numerics import elementary_arrays
 from sim.numerics.float_array import FloatArray
 
 RELOCATED = 0.5
-"""Least step of the localizer's pose, in meters, that counts as a jump and not as a correction. No message reports such
+"""Minimum step of the localizer's pose that counts as a jump and not as a correction, meters. No message reports these
 jumps."""
 
 

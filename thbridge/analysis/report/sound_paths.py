@@ -9,7 +9,7 @@ from thbridge.ros.clock_changes import stamps_by_clock
 from thbridge.ros.odometry_faults import RecordedFault, sound_poses
 
 LATEST, EARLIEST = 10.0, -0.25
-"""Greatest and least time from the stamp of a message to its recording, seconds, if one clock sets both: tf2 keeps
+"""Maximum and minimum time from the stamp of a message to its recording, seconds, if one clock sets both: tf2 keeps
 transforms for 10 s, and a recorder that uses /clock is late by up to one period of /clock."""
 RECORDED, STAMPED = 0, 1
 """Columns of the two times in rows (time of recording, stamp, x, y, theta)."""

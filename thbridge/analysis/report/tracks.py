@@ -42,7 +42,7 @@ BASES = ("base_footprint", "base_link")
 
 
 MOST_POSES = 500_000
-"""Greatest number of poses of all robots' paths in a report; from longer recordings, every n-th pose is kept."""
+"""Maximum number of poses of all robots' paths in a report; from longer recordings, every n-th pose is kept."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ from thbridge.hunt.game import GameState
 from thbridge.roles.shared.robot_requests import CommandRequest, StationSend, TakeCommand
 
 TOGETHER = 10 * TICKS_PER_SECOND
-"""Largest number of ticks until a game has started and its treasures are hidden."""
+"""Maximum number of ticks until a game has started and its treasures are hidden."""
 
 
 class HuntEnv(TeamEnvironment):

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 MOST_LOGGED = 100
-"""Largest number of different faults of a plug-in that are logged."""
+"""Maximum number of different faults of a plug-in that are logged."""
 _NO_TREASURES = TreasureKnowledge((), {})
 PATIENCE = 2.0
 """Seconds of wall time after which the log warns that a game waits for a plug-in."""

@@ -29,7 +29,7 @@ from thbridge.study.things import schedule_of
 REHEARSAL = 5 * TICKS_PER_SECOND
 """Length of a rehearsal, ticks. In a rehearsal, robots localize, plan around each other, turn and drive."""
 REHEARSERS = 10
-"""Largest number of robots with common parameters in one rehearsal. More robots would not compile more kernels."""
+"""Maximum number of robots with common parameters in one rehearsal. More robots would not compile more kernels."""
 
 
 def build_team(setting: StudySetting) -> Team:

@@ -6,7 +6,7 @@ from collections import Counter
 from thbridge.sockets.warn_once import WarnOnce
 
 REQUESTS_PER_TICK = 10
-"""Largest number of requests of one client on one topic between two ticks.
+"""Maximum number of requests of one client on one topic between two ticks.
 
 This is 500 requests per second. Robots need a tenth of this number.
 """

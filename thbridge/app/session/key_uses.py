@@ -6,7 +6,7 @@ from thbridge.hunt.events import KeyUsed
 from thbridge.text_protocol.wire.router import ClientJoined
 
 _MOST_GRANTED = 200
-"""Largest number of requests with keys that are logged one by one before a tick. More can occur during a pause."""
+"""Maximum number of requests with keys that are logged one by one before a tick. More can occur during a pause."""
 
 
 class KeyUses:

@@ -50,10 +50,10 @@ from thbridge.timing.pacer import Pacer
 from thbridge.watching.sockets.server import SessionPace
 
 MOST_PENDING = 200
-"""Largest number of requests between two ticks. A person always makes fewer requests during a pause."""
+"""Maximum number of requests between two ticks. A person always makes fewer requests during a pause."""
 
 MOST_CHARACTERS = 500
-"""Largest number of characters of a name, or of a sentence that a person writes for a robot."""
+"""Maximum number of characters of a name, or of a sentence that a person writes for a robot."""
 
 WATCH_SENDER = "watch"
 """Name of the sender of the requests that the session makes when the last watcher has disconnected."""

@@ -27,7 +27,7 @@ from thbridge.study.study_file import DialogueSection, Study
 LONGEST_GAME = 400 * TICKS_PER_SECOND
 """Number of ticks after which a game counts as endless."""
 MOST_REFUSED = 10
-"""Largest number of refusals of the same request in a game."""
+"""Maximum number of refusals of the same request in a game."""
 _TEAMS = ((DialogueCondition.SCRIPT, 1, ()), *((condition, 3, (0,)) for condition in DialogueCondition))
 """Conditions, numbers of robots, and indices of robots that find no path."""
 

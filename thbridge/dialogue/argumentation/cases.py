@@ -55,8 +55,8 @@ def case_of(robot: Stance, human: Stance) -> DialogueCase:
 def case_of_choices(robot: Iterable[str], human: Iterable[str], choices: Iterable[str]) -> DialogueKind:
     """Return the kind of dialogue that follows from two choices among the same things.
 
-    A chosen thing is believed, and all other things are disbelieved; a side without a choice does not know. Choices
-    that agree only partly count as disagreement.
+    A side believes the things that it chose and disbelieves all other things. A side without a choice does not know.
+    Choices that agree only partly count as disagreement.
     """
     mine, theirs = frozenset(robot), frozenset(human)
     kinds = {case_of(_stance(mine, each), _stance(theirs, each)).kind for each in choices}

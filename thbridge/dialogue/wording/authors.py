@@ -25,7 +25,7 @@ _WORD = r"\w+(?:['’]\w+)*"
 _TOKEN = re.compile(rf"\d+(?:[.,]\d+)*\w*|-(?=\s*\d)|[+−*/%=<>≤≥×÷±?‰°$€£]|[,;:.!…–—]|{_WORD}")
 _LISTED = re.compile(rf"\*?{_WORD}")
 LONGEST_OFFERED = 2000
-"""Largest number of characters that are kept of a refused sentence."""
+"""Maximum number of characters that are kept of a refused sentence."""
 _DENIED = "not"
 _BREAK = ","
 _BREAKS = frozenset(",;:.!…–—")

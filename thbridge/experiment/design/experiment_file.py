@@ -26,12 +26,12 @@ from thbridge.study.overrides import merged, resolved_tree
 from thbridge.study.study_file import Study, load_study
 
 MOST_CONDITIONS = 16
-"""Largest number of conditions for each person."""
+"""Maximum number of conditions for each person."""
 MOST_PEOPLE = 100_000
 MOST_TRIALS = 64
 """Number of trials whose seeds practice games never use."""
 LONGEST_TITLE = 200
-"""Greatest length of a title, in characters."""
+"""Maximum length of a title, in characters."""
 LARGEST_SEED = 2**31 - 1
 _OWN_READING = ("base", "within", "between")
 """Keys of an experiment whose sections contain keys of studies."""

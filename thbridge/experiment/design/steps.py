@@ -9,7 +9,7 @@ from sim.parameters import param
 
 LONGEST_TRIAL = 4 * 3600.0
 LARGEST_COUNT = 1000
-"""Largest number in a requirement of a practice game, except for seconds."""
+"""Maximum number in a requirement of a practice game, except for seconds."""
 
 
 class StepKind(StrEnum):

@@ -12,7 +12,7 @@ from thbridge.experiment.export.families.described import ColumnDescription, Exp
 JsonLd = dict[str, object]
 
 LONGEST_WORD = 100
-"""Largest number of characters of a title in a file name. File names have at most 255 bytes."""
+"""Maximum number of characters of a title in a file name. File names have at most 255 bytes."""
 
 
 def file_name(title: str, table: str) -> str:

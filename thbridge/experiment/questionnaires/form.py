@@ -92,7 +92,7 @@ class Item:
 
     @property
     def greatest(self) -> float:
-        """Greatest value of the scale."""
+        """Maximum value of the scale."""
         return float(self.points) if self.scale in {Scale.LIKERT, Scale.DIFFERENTIAL} else self.maximum
 
     @property

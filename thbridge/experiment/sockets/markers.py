@@ -21,7 +21,7 @@ from thbridge.experiment.store.events import Clocks, LoggedEvent
 STREAM, STREAM_TYPE = "thbridge", "Markers"
 """Name and type of the stream."""
 MOST_WAITING = 2000
-"""Largest number of unsent markers. Above this number, new markers are dropped."""
+"""Maximum number of unsent markers. Above this number, new markers are dropped."""
 INSTALL = "Install pylsl: pip install 'thbridge[markers]'"
 LIBRARY = "Install liblsl 1.16 or newer, and write the path of its file into the environment variable PYLSL_LIB"
 

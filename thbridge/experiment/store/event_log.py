@@ -68,7 +68,7 @@ APPLICATION = 0x74686578
 """SQLite's application_id of an experiment's log."""
 VERSION = 1
 _MOST_STEPS = 1 << 28
-"""Largest number of steps of SQLite's virtual machine for reading a log. The largest log needs a third of this."""
+"""Maximum number of steps of SQLite's virtual machine for reading a log. The largest log needs a third of this."""
 _STEPS_BETWEEN_CHECKS = 1 << 16
 _MOST_BYTES_OF_LETTER = 4
 _ROOM = 1 << 20

@@ -11,7 +11,7 @@ from pathlib import Path
 from thbridge.files.errors import BadFile, reason_of
 
 MOST_LINKS = 40
-"""Largest number of links on one path, as in Linux."""
+"""Maximum number of links on one path, as in Linux."""
 
 
 def own_target(path: Path) -> Path:

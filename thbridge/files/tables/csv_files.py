@@ -12,9 +12,9 @@ from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, BadFiles
 
 LARGEST_TABLE = 1 << 26
-"""Largest file in bytes; about a million rows."""
+"""Largest size of a file, bytes. This is about a million rows."""
 MOST_FAULTS = 10
-"""Largest number of faults to report, because a wrong table may have one in every row."""
+"""Maximum number of faults to report, because a wrong table may have one in every row."""
 
 
 def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:

@@ -9,7 +9,7 @@ from sim.numerics.float_array import FloatArray
 from thbridge.files.disk.spool import SpoolFile
 
 RECENT = 8192
-"""Largest number of values of one series in memory; more go to the file. Short recordings never need the file."""
+"""Maximum number of values of one series in memory; more go to the file. Short recordings never need the file."""
 
 
 class NumberRows:

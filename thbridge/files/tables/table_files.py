@@ -28,7 +28,7 @@ _PAGE_BYTES = 1 << 18
 """Size of a page in bytes: a quarter of the usual size, because every open file keeps a page of each column in
 memory."""
 _ELEMENTS_AT_ONCE = 1 << 17
-"""Largest number of list elements in a row group, because every open file keeps about 10 bytes for each."""
+"""Maximum number of list elements in a row group, because every open file needs 10 bytes per element."""
 
 
 class TableFormat(StrEnum):

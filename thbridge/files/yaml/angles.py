@@ -12,7 +12,7 @@ _FACTOR = r"(?:\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+|pi)"
 _PRODUCT = re.compile(rf"\s*([-+]?)\s*({_FACTOR}(?:\s*[*/]\s*{_FACTOR})*)\s*")
 _WHOLE = re.compile(r"[-+]?\d+")
 WHOLE = 3
-"""Least whole number of radians that looks like degrees. Angles such as pi are not written as whole numbers."""
+"""Minimum whole number of radians that looks like degrees. Angles such as pi are not written as whole numbers."""
 
 
 def radians_of(text: str) -> float | None:

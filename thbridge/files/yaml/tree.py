@@ -27,7 +27,7 @@ from thbridge.files.errors import BadFile
 DEEPEST = 32
 """Largest depth of nesting."""
 LARGEST_TREE = 100_000
-"""Largest number of values of a file, with its aliases expanded."""
+"""Maximum number of values of a file, with its aliases expanded."""
 _BREAK = re.compile("[\\x85\\u2028\\u2029]")
 KEPT_TREES, KEPT_LETTERS = 256, 20_000
 """Number of trees that are kept, and length of the longest text of a kept tree. Our own files are short, and each study

@@ -31,10 +31,10 @@ LINK_FRAMES = 128
 1 Mbit/s."""
 
 WORK_SECONDS = 0.004
-"""Seconds of processing per tick. After this time, no further frame of any link is processed in the tick."""
+"""Maximum time for processing frames per tick, seconds. Then no further frame of any link is processed in the tick."""
 
 TICK_ANSWERS = 100
-"""Number of answers per tick after which no further frame is processed. There is a limit, because recording answers
+"""After this number of answers in a tick, no further frame is processed. There is a limit, because recording answers
 takes time."""
 
 MOST_WAITING = 2048
@@ -109,7 +109,9 @@ class _Link:
 
 
 class MavlinkLinks:
-    """Transfer of frames between links and a session. It uses only a part of each tick. The session needs the rest.
+    """Transfer of frames between links and a session.
+
+    It uses only a part of each tick. The session needs the rest of the tick.
 
     Links take turns. When the time is used up, further frames wait for the next tick.
 

@@ -77,7 +77,7 @@ def point_in_map(frame: int, first: float, second: float, base_in_map: Pose2) ->
 def twist_towards(
     frame: int, first: float, second: float, yaw_rate: float, base_in_map: Pose2, fastest: Twist
 ) -> Twist:
-    """Return the twist by which a robot follows a velocity in a frame of `LOCAL`. Robots cannot move sideways.
+    """Return the twist for a velocity that is given in a frame of `LOCAL`. Robots cannot move sideways.
 
     In body frames, the twist consists of the forward velocity and the yaw rate. In map frames, the robot turns toward
     the direction of the velocity. Meanwhile it drives at the speed times the cosine of the remaining angle. If the

@@ -17,7 +17,7 @@ from thbridge.ros.messages.identification import by_name, identified, known_defi
 from thbridge.ros.messages.types import md5_of
 
 MOST_SPANS = 1000
-"""Largest number of damaged places that are reported separately."""
+"""Maximum number of damaged places that are reported separately."""
 
 
 @dataclass(frozen=True, slots=True)

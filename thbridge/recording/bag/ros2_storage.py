@@ -29,7 +29,7 @@ LARGEST_METADATA = 1 << 26
 """Largest size of metadata.yaml, in bytes. It has a few hundred bytes for each file and topic. For our sessions, it
 also contains the study."""
 MOST_VALUES = 1 << 20
-"""Largest number of values in metadata.yaml, with aliases expanded."""
+"""Maximum number of values in metadata.yaml, with aliases expanded."""
 _INFORMATION = "rosbag2_bagfile_information"
 
 _STEPS_ALWAYS, _STEPS_BYTE, _STEPS_ONCE = 1 << 26, 128, 1 << 16

@@ -98,7 +98,7 @@ _COUNTED_WISHES = _AFTER_AGREEING - {kind_of(PlayAgain)}
 """Requests whose repetitions are ignored. `PlayAgain` is not included: it names the finished game, so repetitions have
 no effect. Programs repeat it until robots join."""
 _QUOTED = 200
-"""Largest number of characters in the quotation of a refused line."""
+"""Maximum number of characters in the quotation of a refused line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -486,7 +486,7 @@ _SAID_BY = {
     **{kind_of(each): legacy.SIMR for each in (RobotsReady, TeamStatus, MoveCosts, ConsentQuery)},
     **{kind_of(each): legacy.HIDER for each in (HiderReady, HideTreasures)},
 }
-"""Program for each kind of notice that only one program may send. Only participants may send all other kinds."""
+"""The only program that may send a notice, by the notice's kind. Only participants may send all other kinds."""
 
 
 def _is_from_its_program(notice: Notice) -> bool:

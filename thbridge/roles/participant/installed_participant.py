@@ -15,7 +15,7 @@ from thbridge.roles.shared.participant_lines import encode_request_line
 from thbridge.roles.shared.view import ParticipantRequest, View
 
 MOST_REQUESTS = 1000
-"""Largest number of requests for one view."""
+"""Maximum number of requests for one view."""
 
 
 ParticipantCaller: TypeAlias = Callable[[Callable[[], Sequence[ParticipantRequest]]], Sequence[ParticipantRequest]]

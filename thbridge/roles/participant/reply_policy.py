@@ -16,7 +16,7 @@ QUESTION_PROBABILITY = 0.2
 REJECTION_PROBABILITY = 0.5
 """Probability that a sceptic rejects a claim after hearing reasons, and probability of not giving in at the end."""
 STOP_PROBABILITY = 0.3
-"""Probability that a sceptic stops a robot with scripted questions about a room that the sceptic did not choose."""
+"""Probability that a sceptic stops a robot that asks scripted questions, if the sceptic did not choose the room."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,7 +34,7 @@ PATH_TOLERANCE = 0.01
 the robot itself may be this far from its path. With the rounding to centimeters, the error of a sent path is less than
 0.03 m."""
 MOST_PATH_POINTS = 2000
-"""Largest number of points of all paths in one message."""
+"""Maximum number of points of all paths in one message."""
 CHI_SQUARE_95 = 5.991
 """Squared Mahalanobis distance that contains 95 % of a normal distribution in the plane (chi-square, 2 degrees of
 freedom)."""

@@ -26,7 +26,7 @@ LOST_TIMEOUT_NS = 10_000_000_000
 PREEMPTION_WINDOW_NS = 1_000_000_000
 """Maximum time between the end of a goal and the message about the goal that preempted it."""
 CANCEL_RETRY_NS = 1_000_000_000
-"""Time between two attempts to cancel a stray goal."""
+"""Time between two attempts to cancel a goal that is no longer wanted."""
 
 _REASONS: tuple[tuple[str, NoPathReason], ...] = (
     ("valid plan", "no_way"),

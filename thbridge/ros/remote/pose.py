@@ -83,7 +83,7 @@ class RemotePose:
         return self._odom_in_map is not None
 
     def stamp_odometry_later(self, later_ns: int) -> None:
-        """Add a time to the stamps of odometry, also of stored messages. It is needed if odometry is ahead of scans."""
+        """Add a time to the stamps of odometry, also of stored messages, if they are too early for the scans."""
         more_ns = later_ns - self._odom_later_ns
         self._odom_later_ns = later_ns
         self._stamp_ns += more_ns

@@ -4,7 +4,7 @@ from collections import OrderedDict, defaultdict, deque
 from typing import NamedTuple
 
 LIMIT = 8 * 2**20
-"""Largest number of queued bytes."""
+"""Maximum number of queued bytes."""
 
 
 class _Waiting(NamedTuple):

@@ -14,7 +14,7 @@ from thbridge.watching.wire import BagStreamReader, BrokenStream, SessionMessage
 
 _SEGMENT = 256 * 1024
 _WAITING = 20_000
-"""Largest number of queued messages; above it, the client stops reading, and the server may drop messages."""
+"""Maximum number of queued messages; above it, the client stops reading, and the server may drop messages."""
 _NAP = 0.02
 _TIMEOUT = 10.0
 """Seconds without data after which the connection counts as broken; the server sends a status every second."""

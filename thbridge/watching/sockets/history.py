@@ -22,7 +22,7 @@ LISTED = frozenset({GAME_EVENTS, UTTERANCES, DIALOGUE_MOVES, DIALOGUE_STATES, SE
 """Topics for which all recent messages are kept. For other topics, only the newest message is kept."""
 
 MAX_MESSAGES = 1000
-"""Largest number of messages kept for each topic in `LISTED`, and for each kind of game event."""
+"""Maximum number of messages kept for each topic in `LISTED`, and for each kind of game event."""
 MAX_BYTES = 2**20
 """Largest total size of the messages kept for a topic or a kind of event, in bytes."""
 

@@ -42,10 +42,10 @@ from thbridge.watching.wire import (
 )
 
 MAX_WATCHERS = 8
-"""Largest number of watchers at a time; further watchers are rejected."""
+"""Maximum number of watchers at a time; further watchers are rejected."""
 
 MAX_CONNECTIONS = 256
-"""Largest number of connections. A further connection replaces a connection that is not admitted.
+"""Maximum number of connections. A further connection replaces a connection that is not admitted.
 
 The event loop accepts fewer connections at a time, so it reads a client's key before the client can be replaced.
 """

@@ -23,7 +23,7 @@ _KINDS = {
 }
 _LABELS = {IN: "in", OUT: "out", UNDECIDED: "undecided"}
 _MANY = 8
-"""Greatest number of arguments in a list within a sentence."""
+"""Maximum number of arguments in a list within a sentence."""
 
 
 def name_order(name: str) -> tuple[bool, int, str]:

@@ -16,7 +16,7 @@ from ui.command_line.recordings import Recording
 from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json, say
 
 MOST_LOSSES = 20
-"""Greatest number of lost parts that a repair lists."""
+"""Maximum number of lost parts that a repair lists."""
 
 Out = Annotated[
     Path | None, typer.Option("--to", help="File to write; default: next to the bag. `-` is standard output.")

@@ -6,7 +6,7 @@ from thbridge.ros.messages.session_records import MACHINE
 from ui.command_line.terminal import say
 
 WIDEST = 80
-"""Greatest width of a column, in characters. A longer cell shifts only the rest of its row."""
+"""Maximum width of a column, in characters. A longer cell shifts only the rest of its row."""
 
 
 def show_summary(found: RecordingSummary) -> None:

@@ -26,7 +26,7 @@ from thbridge.files.resources import shipped
 from ui.command_line.terminal import command, note, out, say
 
 WIDEST = 120
-"""Greatest number of characters in a line of a page on a terminal."""
+"""Maximum number of characters in a line of a page on a terminal."""
 _STYLE = "body{max-width:60em;margin:2em auto;padding:0 1em;font:16px/1.5 sans-serif}table{border-collapse:collapse}\
 td,th{border:1px solid #ccc;padding:.2em .5em;vertical-align:top}pre{overflow-x:auto;background:#f4f4f4;padding:1em}\
 img{max-width:100%}"

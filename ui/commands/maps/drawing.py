@@ -41,13 +41,13 @@ SEED = 1
 LEFT_OUT = "left-out.pgm"
 """Image next to map.yaml: black where lines of the plan were removed, white elsewhere."""
 MOST_FLOOR = 0.5
-"""Least share of the floor that must be reachable, unless the user says that thin lines are walls."""
+"""Minimum share of the floor that must be reachable, unless the user says that thin lines are walls."""
 MOST_INK = 0.5
 """If more than this share of a plan's drawn area is removed, the removed lines probably include walls."""
 MOST_PLACES = 4
-"""Greatest number of blocked paths that a message names."""
+"""Maximum number of blocked paths that a message names."""
 LEAST_CELL, LARGEST_CELL = 0.001, 0.5
-"""Least and greatest size of a cell, meters; a map with larger cells cannot show doors."""
+"""Minimum and maximum size of a cell, meters; a map with larger cells cannot show doors."""
 MOST_STRETCH = 10.0
 """Ratio of an image's two scales. If the ratio is greater, one of the scales is probably a typing error."""
 FINE, FINE_ENOUGH = 0.01, 0.02
@@ -55,7 +55,7 @@ FINE, FINE_ENOUGH = 0.01, 0.02
 MOST_CELLS, COARSE_ENOUGH = 4_000_000, 0.05
 """If an image has more pixels than the first number, they are merged into cells of at most the second size, meters."""
 MANY = 15
-"""Least number of rooms for which the command prints that the measurement can be stopped and continued."""
+"""Minimum number of rooms for which the command prints that the measurement can be stopped and continued."""
 WIDEST = 300.0
 """Size in meters. The size of a larger map is probably wrong."""
 

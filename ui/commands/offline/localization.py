@@ -35,11 +35,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LONGEST_GIVEN = 10.0
-"""Greatest time offset that can be given, seconds."""
+"""Maximum time offset that can be given, seconds."""
 WARNED = 0.05
-"""Least time offset that causes a warning, seconds."""
+"""Minimum time offset that causes a warning, seconds."""
 MOST_STRETCHES = 10
-"""Greatest number of printed lines about periods in which the robot was lost."""
+"""Maximum number of printed lines about periods in which the robot was lost."""
 
 
 def pose_in(triple: tuple[float, float, float]) -> Pose2:

@@ -13,7 +13,7 @@ from thbridge.batch.sweep import SweepProgress
 from ui.command_line.terminal import command, note, out, show
 
 MOST_TOLD = 20
-"""Greatest number of printed faults, and of printed conditions; there may be thousands."""
+"""Maximum number of printed faults, and of printed conditions; there may be thousands."""
 
 
 def design_as_json(design: SweepDesign) -> dict[str, object]:

@@ -9,7 +9,7 @@ from ui.commands.talk.check import counted
 LONGEST = 5.0
 """Time limit of a call, seconds of wall time."""
 MOST_SHOWN = 5
-"""Greatest number of faults that are printed, each with its position."""
+"""Maximum number of faults that are printed, each with its position."""
 
 
 @dataclass(frozen=True, slots=True)

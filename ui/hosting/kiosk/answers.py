@@ -6,7 +6,7 @@ from thbridge.experiment.store.events import JsonValue
 from ui.model.kiosk import Answer, FormItem
 
 LONGEST = 20_000
-"""Greatest number of characters of a text answer."""
+"""Maximum number of characters of a text answer."""
 
 
 def form_item(item: Item) -> FormItem:

@@ -64,7 +64,7 @@ class StudyClock:
 
 PlayedT = TypeVar("PlayedT")
 MOST_PRACTICE = 3
-"""Greatest number of practice games for a person who does not reach the step's goals."""
+"""Maximum number of practice games for a person who does not reach the step's goals."""
 
 
 class GameSteps:

@@ -31,7 +31,7 @@ from thbridge.timing.pace_meter import GamePace, PaceMeter
 from ui.first_start.compiling import compile_ahead
 
 SEEN_WITHIN = 10 * TICKS_PER_SECOND
-"""Greatest number of ticks for which the program waits until the window shows the end of a game."""
+"""Maximum number of ticks for which the program waits until the window shows the end of a game."""
 
 
 class KioskStopped(Exception):  # noqa: N818 - nothing went wrong with the program

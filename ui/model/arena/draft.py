@@ -20,7 +20,7 @@ from thbridge.offline.arena import Arena, cells_inside
 from ui.model.arena.floor import ArenaFloor, ArenaHandle, ArenaRefusalReason, Outcome, with_room
 
 BRIDGE = 0.5
-"""Greatest distance between two rooms that can be merged across a door or a thin wall, meters."""
+"""Maximum distance between two rooms that can be merged across a door or a thin wall, meters."""
 
 
 class ArenaTool(StrEnum):

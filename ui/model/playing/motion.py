@@ -32,16 +32,16 @@ The screen then shows the new place at once.
 """
 
 MAX_SPEED = 1.5
-"""Greatest speed of robots, m/s, which limits the plausible distance between samples."""
+"""Maximum speed of robots, m/s, which limits the plausible distance between samples."""
 
 MAX_ACCELERATION = 10.0
-"""Greatest acceleration of robots, m/s².
+"""Maximum acceleration of robots, m/s².
 
 If the acceleration between samples seems to be more than twice this value, the robot has corrected its estimate.
 """
 
 MAX_TURN_ACCELERATION = 25.0
-"""Greatest angular acceleration of robots, rad/s²."""
+"""Maximum angular acceleration of robots, rad/s²."""
 
 GAP = 2.0
 """Simulated seconds between two samples. After a longer gap, playback restarts, as after a lost connection."""

@@ -16,7 +16,7 @@ CATCH_UP_BURST = 0.1
 """Time after a standstill within which the network may deliver all delayed samples at once, seconds."""
 
 MAX_SAMPLES = 128
-"""Largest number of stored samples."""
+"""Maximum number of stored samples."""
 
 MAX_DELAY = 0.06
 """Largest delay of the clock, seconds. Together with the latency of a network, it stays below 0.1 s."""

@@ -11,7 +11,7 @@ TRAIL_STEP = 0.12
 """Distance between two points of a trail, meters."""
 
 TRAIL_POINTS = 44
-"""Largest number of points of a trail; they cover 5 m."""
+"""Maximum number of points of a trail; they cover 5 m."""
 
 PATH_SEARCH = 1.5
 """Length of the part of a path that is searched for the robot's present place, ahead of its last place, meters."""

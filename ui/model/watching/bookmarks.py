@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from itertools import pairwise
 
 NEAR = 0.05
-"""Greatest difference in seconds between a time and a bookmark that count as equal."""
+"""Maximum difference in seconds between a time and a bookmark that count as equal."""
 
 
 class Bookmarks:

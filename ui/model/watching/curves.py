@@ -9,13 +9,13 @@ import numpy as np
 from sim.numerics.float_array import FloatArray
 
 MAX_SAMPLES = 20_000
-"""Greatest number of samples in a curve, enough for half an hour with ten samples per second.
+"""Maximum number of samples in a curve, enough for half an hour with ten samples per second.
 
 Longer curves keep fewer samples in their older half.
 """
 
 MAX_LINE_POINTS = 1000
-"""Largest number of points in a line on the map."""
+"""Maximum number of points in a line on the map."""
 
 
 class Curve:

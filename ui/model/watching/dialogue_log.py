@@ -9,7 +9,7 @@ from thbridge.dialogue.portrait import DialoguePortrait, read_portrait
 from thbridge.ros.messages.session_records import DialogueMoveRecord, DialogueStateRecord
 
 MAX_KEPT = 20_000
-"""Greatest number of moves and of states per robot; when there are more, the oldest are dropped."""
+"""Maximum number of moves and of states per robot; when there are more, the oldest are dropped."""
 
 
 @dataclass(frozen=True, slots=True)

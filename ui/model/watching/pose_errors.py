@@ -14,7 +14,7 @@ from ui.model.watching.messages import WatchedMessage
 _TRUTHS = 1024
 """Number of true poses kept for estimates that arrive later: ten seconds at 100 poses per second."""
 _WAITING = 64
-"""Greatest number of estimates that wait for a true pose; when there are more, the oldest is dropped."""
+"""Maximum number of estimates that wait for a true pose; when there are more, the oldest is dropped."""
 _STALE = 1.0
 """Poses are interpolated between two true poses if the time between them is at most this, seconds."""
 _REPEATS = 3

@@ -22,7 +22,7 @@ PERIOD = 0.1
 ODOMETRY_TIMEOUT = 1.0
 """Seconds that the program waits for odometry of a robot known from tf, before it uses tf alone."""
 JUMPS_KEPT = 1000
-"""Greatest number of stored jumps of an estimate, and of stored gaps. A lost robot can jump often."""
+"""Maximum number of stored jumps of an estimate, and of stored gaps. A lost robot can jump often."""
 _SLACK = 1e-6
 
 

@@ -24,7 +24,7 @@ from ui.model.watching.messages import WatchedMessage
 from ui.model.watching.scene import Entry, EntryKind
 
 MAX_ENTRIES = 50_000
-"""Greatest number of entries in a list; when there are more, the oldest are dropped."""
+"""Maximum number of entries in a list; when there are more, the oldest are dropped."""
 TYPES = frozenset({types.GAME_EVENT, types.UTTERANCE, types.INPUT, types.LOG})
 """Types of messages that each become an entry of a list."""
 LINES = frozenset({names.SEND_ROBOTS, names.SUCCESS})

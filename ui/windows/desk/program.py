@@ -15,7 +15,7 @@ from ui.windows.preferences import preferences_of
 POLL = 1000
 """Milliseconds between two reads of a study's log."""
 RENEWED = 20
-"""Number of reads of the log without new entries, after which the durations of runs are computed again."""
+"""The durations of runs are computed again after this number of reads of the log without new entries."""
 READ_ONLY = (
     "This window only watches the log and cannot change runs or notes. Use the window that "
     "`thbridge study run --desk` opens."

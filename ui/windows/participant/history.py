@@ -10,7 +10,7 @@ from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, font, px
 
 MAX_LINES = 500
-"""Largest number of lines shown."""
+"""Maximum number of lines shown."""
 
 
 class HistoryView(QPlainTextEdit):

@@ -14,7 +14,7 @@ from ui.windows.participant.top import BannerLine
 from ui.windows.participant.widgets.panels import TitledPanel
 
 MAX_PANEL_WIDTH = 620
-"""Greatest width of a panel in the middle of the map, `px`."""
+"""Maximum width of a panel in the middle of the map, `px`."""
 
 Corner = tuple[bool, bool]
 """Corner of the map, as two flags: the first is True on the right side, the second is True at the bottom."""

@@ -27,7 +27,7 @@ _FOLDED, _NARROW, _WIDE = 40, 76, 140
 name, `px`."""
 
 _TALLEST = 1.5
-"""Greatest height of a tile, as a multiple of its usual height."""
+"""Maximum height of a tile, as a multiple of its usual height."""
 
 
 class Tile(ParticipantButton):

@@ -10,7 +10,7 @@ from ui.windows.researcher.docks.playback import TimelineBar, TimelineMark
 from ui.windows.researcher.feeds.feed import Feed
 
 MAX_NEW_ROWS = 2000
-"""Largest number of rows added to a list at once."""
+"""Maximum number of rows added to a list at once."""
 MARK_TOLERANCE = 0.01
 """Seconds. If the time shown and a mark's time do not differ by more than this, they count as equal."""
 

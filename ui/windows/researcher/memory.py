@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from PySide6.QtCore import QSettings
 
 RECENT = 10
-"""Largest number of stored recordings and sessions."""
+"""Maximum number of stored recordings and sessions."""
 _RECENT_KEY, _BOOKMARKS_KEY = "watch/recent", "watch/bookmarks"
 
 

@@ -18,7 +18,7 @@ _EDITOR_WIDTH = 240
 _WIDE = 340
 """Width of the editor of a list, `px`."""
 _WIDEST = 360
-"""Greatest width of an editor, logical pixels. In a small window, a button also fits next to the editor."""
+"""Maximum width of an editor, logical pixels. In a small window, a button also fits next to the editor."""
 _NARROW = 128
 """Width of an editor if drawings are next to the fields, `px`."""
 _WORDS = 240

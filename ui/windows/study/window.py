@@ -120,7 +120,7 @@ class StudyWindow(QMainWindow):
 
     @Slot()
     def show_form(self) -> None:
-        """Show the form in place of the text or the changes."""
+        """Show the form instead of the text or the changes."""
         self._open(self._key)
         self.sections.setFocus()
 

@@ -37,7 +37,7 @@ from ui.windows.look import GAP, follow_text, label, px, spaced
 _LOOK = QSize(48, 36)
 """Size of a picture in a cell, `px`."""
 _WIDEST = 260
-"""Greatest automatic width of a column, `px`."""
+"""Maximum automatic width of a column, `px`."""
 
 _Index = QModelIndex | QPersistentModelIndex
 

@@ -12,7 +12,7 @@ from thbridge.experiment.questionnaires.scoring import Answer, reliability_of
 from thbridge.experiment.store.events import RunState
 
 ITEMS_SHOWN = 40
-"""Largest number of items of a form in the text. The form's file has all items."""
+"""Maximum number of items of a form in the text. The form's file has all items."""
 
 
 def measures_section(records: ExperimentRecords) -> Iterator[str]:

@@ -23,7 +23,7 @@ WHOLE = 1024 * 1024
 """Size of the largest uncompressed chunk that is read completely. From larger chunks, single messages are read."""
 
 FEW = 16
-"""Largest number of messages of an uncompressed chunk that are read one by one."""
+"""Maximum number of messages of an uncompressed chunk that are read one by one."""
 
 _CONNECTION = b"\x09\x00\x00\x00conn="
 """Beginning of the field `conn` in an index data record's header, before its value of 4 bytes."""

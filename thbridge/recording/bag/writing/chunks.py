@@ -16,7 +16,7 @@ chunk also ends before it spans more time than `CHUNK_NS`. The size is rosbag's 
 for every topic in it."""
 
 MOST_BYTES = 2 * CHUNK_BYTES
-"""Size above which a chunk ends even between messages with equal stamps."""
+"""Maximum size of a chunk. A larger chunk ends even between messages with equal stamps."""
 
 _NO_TIME = time_bytes(0)
 _TIME = np.dtype(f"V{len(_NO_TIME)}")

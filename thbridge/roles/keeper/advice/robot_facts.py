@@ -153,7 +153,7 @@ def _compared(
 def _searched(
     costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
 ) -> tuple[tuple[dict[Room, PlanValue], ...], tuple[Tour, ...]]:
-    """Return the values of all next rooms of the first robot, and the tours of a good plan with a tour for it."""
+    """Return the value of each next room of the first robot, and the tours of a good plan that sends this robot."""
     tours = tours_sending_first(TeamPlanner.JOINT, costs, starts, rooms, visit)
     payable = filter(starts[0].can_pay, rooms)
     begun = {room: tours_begun_with(costs, starts, tours, 0, room, visit) for room in payable}

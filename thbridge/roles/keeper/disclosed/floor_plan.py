@@ -11,7 +11,7 @@ from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from thbridge.roles.shared.notices import FloorPlan, RoomOutline
 
 MOST_PACKED = 40_000
-"""Largest number of characters of the compressed cells. For more characters, the map's resolution is halved."""
+"""Maximum number of characters of the compressed cells. For more characters, the map's resolution is halved."""
 
 
 def floor_plan_of(

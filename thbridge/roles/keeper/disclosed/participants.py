@@ -12,9 +12,9 @@ from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import Notice, encode_notice
 
 MOST_PARTICIPANTS = 64
-"""Largest number of participants' programs at the same time."""
+"""Maximum number of participants' programs at the same time."""
 MOST_NUMBERS = 256
-"""Largest number of stored request numbers for a program. The latest numbers are stored; repetitions come quickly."""
+"""Maximum number of stored request numbers for a program. The latest numbers are stored; repetitions come quickly."""
 PIECE_SIZE = 30_000
 """Number of bytes of a picture in one line: 40,000 characters in base 64."""
 PIECE_PERIOD = TICKS_PER_SECOND // 12

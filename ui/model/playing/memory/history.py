@@ -12,7 +12,7 @@ from ui.model.playing.words import outcome_of, verdict_words
 from ui.model.shared.points import scored
 
 MAX_LINES = 500
-"""Largest number of lines in the history."""
+"""Maximum number of lines in the history."""
 
 SpokenLine = tuple[Literal["robot", "you"], str]
 """Speaker of a sentence, and the sentence."""

@@ -6,7 +6,7 @@ from base64 import b64decode
 from thbridge.roles.shared.notices import PicturePiece
 
 MOST_BYTES = 1 << 28
-"""Greatest size in bytes of all pictures of a game and their pieces: enough for 100 rooms with large pictures."""
+"""Maximum size in bytes of all pictures of a game and their pieces: enough for 100 rooms with large pictures."""
 
 
 class Pictures:

@@ -14,9 +14,9 @@ from ui.windows.look import GAP, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace, Weight
 
 _SHORT = 14
-"""Greatest number of characters of an option that shares a row with other options."""
+"""Maximum number of characters of an option that shares a row with other options."""
 _BESIDE = 4
-"""Greatest number of options in a row."""
+"""Maximum number of options in a row."""
 
 
 class OptionButton(ActionButton):

@@ -11,7 +11,7 @@ from ui.windows.kiosk.items.field import AnswerField
 from ui.windows.look import GAP, follow_text, px, spaced
 
 LONGEST = 20_000
-"""Largest number of characters in a free text."""
+"""Maximum number of characters in a free text."""
 
 
 class NumberField(AnswerField):

@@ -27,7 +27,7 @@ from ui.windows.participant.widgets.panels import set_text
 LIMIT_STEP = 100
 """Milliseconds between two updates of time limits."""
 WIDEST = 860
-"""Greatest width of the column of items, `px`, because longer lines and scales are harder to read."""
+"""Maximum width of the column of items, `px`, because longer lines and scales are harder to read."""
 
 
 class FormPage(QWidget):

@@ -18,7 +18,7 @@ from ui.windows.participant.widgets.panels import page_column
 from ui.windows.participant.widgets.reading import ReadingText
 
 SHORT = 500
-"""Greatest number of characters of a text in the middle of the page. A longer text is in a panel that scrolls."""
+"""Maximum number of characters of a text in the middle of the page. A longer text is in a panel that scrolls."""
 READING = 0.4
 """Seconds during which a new page ignores presses, because they were meant for the previous page."""
 _IN_A_GROUP = 4

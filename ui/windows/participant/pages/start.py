@@ -15,7 +15,7 @@ from ui.windows.participant.widgets.panels import ModalOverlay, page_column
 
 _LAST_DIGIT = 9
 _IN_A_ROW = 5
-"""Greatest number of choices in a row."""
+"""Maximum number of choices in a row."""
 
 
 class StartPage(QWidget):

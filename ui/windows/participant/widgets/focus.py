@@ -26,7 +26,7 @@ def make_region(widget: QWidget, name: str) -> None:
 
 
 def reachable(inside: QWidget) -> list[QWidget]:
-    """Return the widgets inside a widget that can have the focus, row by row, from left to right."""
+    """Return the widgets that can have the focus inside another widget, row by row, from left to right."""
     found = [
         widget
         for widget in inside.findChildren(QWidget)

@@ -33,7 +33,7 @@ class AttackGraph(QWidget):
         self.update()
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size at which a few arguments can be distinguished."""
+        """Return a size that is large enough to distinguish a few arguments."""
         return QSize(px(120), px(90))
 
     def boxes(self) -> list[QRectF]:

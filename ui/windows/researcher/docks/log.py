@@ -13,7 +13,7 @@ from ui.windows.tables import NO_PARENT, RIGHT, ModelIndex, TableModel, row_tabl
 from ui.windows.untrusted_text import PlainLabel, shown
 
 MAX_ROWS = 20_000
-"""Largest number of rows in a list. The oldest rows are dropped first."""
+"""Maximum number of rows in a list. The oldest rows are dropped first."""
 DROPPED_AT_ONCE = MAX_ROWS // 10
 """Number of rows dropped at once, so that a full list does not drop a row for each added row."""
 

@@ -28,7 +28,7 @@ LEAST_HEIGHT = 112
 """Smallest height of a plot, `px`. If not all plots fit, the dock scrolls."""
 NOTHING = "There are no plots. Open a topic in the Topics pane, and tick its numbers."
 MOST_POINTS = 4000
-"""Greatest number of points in a drawn curve, which is more than a screen has columns of pixels.
+"""Maximum number of points in a drawn curve, which is more than a screen has columns of pixels.
 
 A longer curve is drawn with the smallest and greatest value of each group of neighboring points.
 """

@@ -28,10 +28,10 @@ from ui.windows.untrusted_text import PlainLabel, button_text
 NO_NAMES = RoomNames()
 """Room names before the names are known."""
 PUPPETS_PER_ROW = 5
-"""Largest number of robots in a row of check boxes."""
+"""Maximum number of robots in a row of check boxes."""
 
 WIDEST = 480
-"""Greatest width of a sentence on a button, logical pixels. Longer sentences are wrapped."""
+"""Maximum width of a sentence on a button, logical pixels. Longer sentences are wrapped."""
 
 HEIGHT, REST = 248, 190
 """Height of the list of waiting turns, and height that this list leaves to the other parts of a low window, `px`."""

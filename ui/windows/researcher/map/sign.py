@@ -7,7 +7,7 @@ from ui.windows.look import px, style_as_panel
 from ui.windows.untrusted_text import PlainLabel
 
 WIDEST, EDGE = 640, 16
-"""Greatest width of the label, `px`, and its distance from the edges of the map, pixels."""
+"""Maximum width of the label, `px`, and its distance from the edges of the map, pixels."""
 
 
 class TroubleSign(PlainLabel):
