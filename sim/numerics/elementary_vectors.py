@@ -1,7 +1,8 @@
 """Functions of `sim.numerics.elementary` for arrays in programs without the compiler: the same formulas, by numpy.
 
 numpy applies one operation to all numbers at once and rounds each result as IEEE 754 requires. It does not contract
-operations, so the bits are those of plain code. Numbers that need a rare branch of a formula are passed to plain code.
+operations, so the results have the same bits as in plain code. Numbers that need a rare branch of a formula are passed
+to plain code.
 """
 
 from collections.abc import Iterator

@@ -8,7 +8,7 @@ A class of ROS parameters may have these class variables:
 * `passed_on: Mapping[str, str]`: names that ROS passes on to a section, where they override the section's own value,
   and the path of this value. Example: `obstacle_range` overrides `obstacle_layer.obstacle_range`.
 * `sections_named_in: str`: the name of a field with a tuple of sections, each with a `name`. In a file, the field is a
-  text of these names, separated by blanks. Each section is in the same place as the field, under its own name.
+  text of these names, separated by blanks. Each section is at the same level as the field, under its own name.
 * `not_in_ros: frozenset[str]`: the fields that ROS does not have.
 """
 

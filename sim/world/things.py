@@ -58,7 +58,7 @@ def _would_run_into(
     footprint: FloatArray,
     radius: float,
 ) -> bool:
-    """Return True if a body that moves from point `before` to `here` comes too close to a robot that it approaches."""
+    """Return True if a body approaches a robot and comes too close, on its way from point `before` to `here`."""
     body = placed_at(corners, here[0], here[1], here[2])
     reach = 0.0
     for k in range(corners.shape[0]):

@@ -150,7 +150,7 @@ class HuntParticipant:
 
 
 def checked_index(robot: int, robots: int) -> int:
-    """Return the index of a robot's number. Raises HuntError: the robot does not exist."""
+    """Return a robot's index, given its number. Raises HuntError: the robot does not exist."""
     if not 1 <= robot <= robots:
         raise HuntError(f"there is no robot {robot}. Give a number from 1 to {robots}.")
     return index_of(whole("robot", robot))

@@ -28,7 +28,7 @@ class _Head(msgspec.Struct):
 
 
 class _Line(msgspec.Struct):
-    """Line of a trip. Room numbers start at 1. Number 0 is the corridor."""
+    """Line of the file, with the result of a trip. Room numbers start at 1. Number 0 is the corridor."""
 
     start: int
     goal: int

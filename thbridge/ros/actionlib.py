@@ -82,7 +82,7 @@ ActionServerMessage: TypeAlias = GoalSet | StatusList | Feedback | GoalEnded
 
 @dataclass(slots=True, eq=False)
 class _Entry:
-    """Goal in the list.
+    """Goal in the list of an action server.
 
     Attributes:
         goal: its id and time stamp.

@@ -136,7 +136,7 @@ class ItineraryPlanner:
         return self._attempt is not None
 
     def search_on(self) -> None:
-        """Continue the present search by this tick's portion."""
+        """Continue the present search with one portion in this tick."""
         attempt = self._attempt
         if attempt is None or attempt.search is None:
             return

@@ -17,10 +17,10 @@ not depend on the portions, because they end between two rounds.
 
 Source: ros-planning/navigation, navfn/src/navfn.cpp; global_planner/src/dijkstra.cpp and gradient_path.cpp; Konolige,
 A Gradient Method for Realtime Robot Control (IROS 2000).
-Differences from ROS: the numbers of waiting cells, cycles and path points are not limited. At its limits, ROS gives up
-or drops cells. A path never passes between two blocked cells that meet at a corner. If the slope does not lead down,
-the path goes from cell to cell until the potential is lower than at all earlier cells. So a path is found whenever one
-exists.
+Differences from ROS: the numbers of waiting cells, cycles and path points are not limited. ROS has limits, at which it
+gives up or drops cells. A path never passes between two blocked cells that meet at a corner. If the slope does not lead
+down, the path goes from cell to cell until the potential is lower than at all earlier cells. So a path is found if a
+path exists.
 """
 
 from collections import deque

@@ -286,7 +286,7 @@ def surroundings(
 
 
 def _fitted(footprint: FloatArray, corners: int) -> FloatArray:
-    """Return a footprint with this number of corners. Repeat the last corner, or use the bounding box."""
+    """Return a footprint with this number of corners: with the last corner repeated, or reduced to its bounding box."""
     missing = corners - len(footprint)
     if missing == 0:
         return footprint

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from thbridge.analysis.check.finding import ALL, BagStructure, BagTool, Finding, FindingSeverity
 
 HEADER_BYTES = 4096
-"""Header and padding of the first record as ROS 1 writes it (rosbag, bag.py, _FILE_HEADER_LENGTH)."""
+"""Size of the first record's header and padding, as ROS 1 writes them, bytes (rosbag, bag.py, _FILE_HEADER_LENGTH)."""
 ROS_LZ4_FLAGS = 0x64
-"""FLG of frames that roslz4 can read: version 1, independent blocks, checksum of the content."""
+"""FLG byte of the LZ4 frames that roslz4 can read: version 1, independent blocks, checksum of the content."""
 OVERLAP_SHARE = 0.25
 CUT = "run `thbridge bag cut`, which sorts the messages"
 REINDEX = "run `thbridge bag reindex`"

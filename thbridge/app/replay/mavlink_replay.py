@@ -38,7 +38,7 @@ from thbridge.timing.pacer import Pacer
 
 _TOPIC = re.compile(r"(?:/robot([1-9]\d{0,2}))?/mavlink/to")
 _LEAD = 1_000_000_000
-"""Nanoseconds by which a game begins before the first message, if another program recorded the bag."""
+"""If another program recorded the bag, the game begins this number of nanoseconds before the first message."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,7 +56,7 @@ def grounded_steps(framework: ArgumentationFramework) -> list[int | None]:
     """Return, for the argument at each index, the step in which it was labeled "in" or "out".
 
     In step k, after k other arguments, one argument is labeled "in"; the arguments that it attacks are labeled "out".
-    Undecided arguments have None.
+    For undecided arguments, the step is None.
     """
     return _grounded(framework)[1]
 

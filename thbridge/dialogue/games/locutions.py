@@ -215,7 +215,7 @@ CONDITIONS: Mapping[str, Precondition] = {
         "neither side is thought to believe the conclusion of the rule", _consequence_open
     ),
 }
-"""Conditions by name. "Taken to" and "thinks" refer to the speaker's picture of the listener."""
+"""Conditions by name. "Assumed" and "thinks" refer to the speaker's picture of the listener."""
 
 CONTRADICTIONS = (("held", "not held"), ("argued", "not argued"), ("news", "attributed"))
 """Pairs of conditions that exclude each other."""

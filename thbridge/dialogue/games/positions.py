@@ -64,7 +64,7 @@ def speaker_in(table: GameTable, position: TablePosition) -> GameRole | None:
 
 
 def refuses_support(table: GameTable, position: TablePosition, reply: Reply, form_of: FormOf) -> bool:
-    """Return True if a reply does not agree to an earlier support. Arguments as in `obstacle`."""
+    """Return True if a reply does not accept a support that was given earlier. Arguments as in `obstacle`."""
     agrees = {"shown", "concluded"} & set(form_of(reply).after)
     return position.is_offered and speaker_in(table, position) is not position.defender and not agrees
 

@@ -83,37 +83,37 @@ LogEntry = LoggedEvent | Tombstone
 
 
 class EventKind(StrEnum):
-    """Kinds of events. A log may have further kinds."""
+    """Kinds of events, with the keys of their data. A log may have further kinds."""
 
     RUN_BEGUN = "run-begun"
-    """Data: place."""
+    """Data: `place`."""
     STEP_BEGUN = "step-begun"
     STEP_RESUMED = "step-resumed"
-    """A program resumed a step that another program had begun. Data: from, a `ResumeRule`."""
+    """A program resumed a step that another program had begun. Data: `from`: a `ResumeRule`."""
     ITEM_SHOWN = "item-shown"
-    """Data: item, and for a shuffled choice options, the answers in the order shown."""
+    """Data: `item`; for a shuffled choice also `options`: the answers in the order shown."""
     ITEM_TOUCHED = "item-touched"
-    """A person has begun to answer an item. Data: item."""
+    """A person has begun to answer an item. Data: `item`."""
     ITEM_CHANGED = "item-changed"
-    """Data: item, answer."""
+    """Data: `item`, `answer`."""
     ITEM_GIVEN = "item-given"
-    """A person has given an answer and continued. Data: item, answer."""
+    """A person has given an answer and continued. Data: `item`, `answer`."""
     ITEM_TIMED_OUT = "item-timed-out"
-    """An item was closed at its time limit. Data: item, and answer, the present answer or null."""
+    """An item was closed at its time limit. Data: `item`; `answer`: the present answer or null."""
     WENT_BACK = "went-back"
-    """A person went back to an earlier page of the current form. Data: page, the number of this page from 1."""
+    """A person went back to an earlier page of the current form. Data: `page`: the number of this page from 1."""
     GAME_PLAYED = "game-played"
-    """The game of a trial was played and recorded. Data: bag, sha256, and measures of the game."""
+    """The game of a trial was played and recorded. Data: `bag`, `sha256`, and measures of the game."""
     PRACTICE_PLAYED = "practice-played"
-    """A practice game has ended. Data: amounts by `PracticeTerm`, and missing, the unmet requirements."""
+    """A practice game has ended. Data: amounts by `PracticeTerm`; `missing`: the unmet requirements."""
     STEP_ENDED = "step-ended"
-    """Data: outcome."""
+    """Data: `outcome`."""
     RECRUITING_CODE = "recruiting-code"
-    """A person has entered the code from a recruiting service. Data: code."""
+    """A person has entered the code from a recruiting service. Data: `code`."""
     CONSENT_ANSWERED = "consent-answered"
-    """Data: agrees, and version, the SHA-256 of the text's bytes."""
+    """Data: `agrees`; `version`: the SHA-256 of the text's bytes."""
     TEXT_PASTED = "text-pasted"
-    """Text was pasted into a free answer, so the person may not have written it. Data: item, and characters, the number
+    """Text was pasted into a free answer, so the person may not have written it. Data: `item`; `characters`: the number
     of pasted characters."""
     FOCUS_LOST = "focus-lost"
     """Another window has the keyboard focus, so the person may look at something else."""
@@ -124,22 +124,22 @@ class EventKind(StrEnum):
     INSTRUCTIONS_CLOSED = "instructions-closed"
     """A participant closed the instructions."""
     GAME_BROKEN_OFF = "game-broken-off"
-    """A game was abandoned after a crash of its program, and another game starts instead. Data: bag, the incomplete
+    """A game was abandoned after a crash of its program, and another game starts instead. Data: `bag`: the incomplete
     recording in the person's folder, or null."""
     RECORDING_CUT_OFF = "recording-cut-off"
     """The recording of a game is incomplete after a crash of its program. The game resumes, and another file records
-    the complete game. Data: bag, the incomplete file in the person's folder."""
+    the complete game. Data: `bag`: the incomplete file in the person's folder."""
     FAREWELL_READ = "farewell-read"
     """A person has closed the last page, which shows the completion code or the reason why the run ended."""
     RUN_ENDED = "run-ended"
-    """Data: outcome and reason. For a complete run, also code, the completion code. For a complete run that does not
-    count, also excluded, the reason."""
+    """Data: `outcome`, `reason`. For a complete run, also `code`: the completion code. For a complete run that does not
+    count, also `excluded`: the reason."""
     RUN_EXCLUDED = "run-excluded"
-    """The experimenter excluded a run. Data: reason."""
+    """The experimenter excluded a run. Data: `reason`."""
     REHEARSED = "rehearsed"
-    """Simulated people take part from now on. Data: seed."""
+    """Simulated people take part from now on. Data: `seed`."""
     NOTE = "note"
-    """Note of the experimenter. Data: text."""
+    """Note of the experimenter. Data: `text`."""
 
 
 class StepOutcome(StrEnum):

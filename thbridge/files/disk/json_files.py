@@ -9,7 +9,7 @@ from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile, reason_of
 
 LARGEST_JSON = 1 << 20
-"""Largest file in bytes, unless the caller sets another size."""
+"""Largest size of a file, bytes, unless the caller sets another size."""
 
 T = TypeVar("T")
 

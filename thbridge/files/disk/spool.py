@@ -17,7 +17,7 @@ class SpoolFile:
         self._file: BinaryIO | None = None
 
     def put(self, data: bytes | memoryview) -> tuple[int, int]:
-        """Append bytes. Return their offset and number. Raises OSError if the disk is full."""
+        """Append bytes. Return the offset and the number of these bytes. Raises OSError if the disk is full."""
         if self._file is None:
             self._file = TemporaryFile(prefix="thbridge-", dir=self._folder)  # noqa: SIM115
         at = self._file.seek(0, 2)

@@ -8,7 +8,7 @@ from thbridge.files.disk.regular_files import as_on_disk, content_of
 from thbridge.files.errors import BadFile
 
 LARGEST_FILE = 1 << 20
-"""Largest file in bytes; files written by people have a few thousand bytes."""
+"""Largest size of a file, bytes. Files written by people have a few thousand bytes."""
 
 
 _UNDEFINED_IN_WINDOWS = frozenset(b"\x81\x8d\x8f\x90\x9d")

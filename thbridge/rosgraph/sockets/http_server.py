@@ -223,7 +223,7 @@ class XmlRpcServer:
     ) -> bytes | None:
         """Return the body of the next request, or None at the end of the connection.
 
-        The body counts as held until the caller subtracts it.
+        The size of the body counts toward the limit of held bytes until the caller subtracts it.
 
         Raises:
             TimeoutError: the peer is idle or too slow.

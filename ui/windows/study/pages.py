@@ -76,7 +76,10 @@ class FieldsPage(QScrollArea):
         self._next = QTimer(self, singleShot=True, interval=0)
         self._next.timeout.connect(self._build_on)
         self._in_sight: QWidget | None = None
-        """Part with the focus. It is kept visible until people scroll, because the page grows in several passes."""
+        """Part of the page that has the focus.
+
+        It is kept visible until people scroll, because the page grows in several passes.
+        """
         self.verticalScrollBar().rangeChanged.connect(self._keep_in_sight)
         self.verticalScrollBar().actionTriggered.connect(self._let_go)
 

@@ -59,7 +59,7 @@ class ManualControl:
         self._wanted = self._until = None
 
     def step(self, tick: int, base_in_map: Pose2) -> None:
-        """Follow the last command. When it is too old, stop the robot."""
+        """Follow the last command. If the command is too old, stop the robot."""
         self._tick, self._base_in_map = tick, base_in_map
         if self._until is None or self._wanted is None:
             return
