@@ -58,7 +58,7 @@ def chunks_of(conditions: int, seeds: Sequence[int], size: int) -> tuple[GameChu
     Args:
         conditions: number of conditions.
         seeds: random seeds of the games in each condition.
-        size: greatest number of games in a chunk.
+        size: maximum number of games in a chunk.
     """
     pieces = [tuple(seeds[start : start + size]) for start in range(0, len(seeds), size)]
     pairs = itertools.product(pieces, range(1, conditions + 1))

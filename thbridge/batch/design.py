@@ -97,7 +97,7 @@ class SweepDesign:
         measures: names of the measures in the results.
         one_bag_in: N if one game in N is recorded; 0 if no game is recorded.
         one_verified_in: N if one game in N is repeated; 0 if no game is repeated.
-        chunk: greatest number of games in a chunk.
+        chunk: maximum number of games in a chunk.
         doubts: possible mistakes in the files of the conditions.
     """
 

@@ -19,7 +19,7 @@ class Offer(msgspec.Struct, frozen=True, tag=True):
     Attributes:
         texts: texts of the study's language, for this page and all following pages.
         least: smallest number of robots that the participant may choose.
-        most: largest number of robots that the participant may choose.
+        most: maximum number of robots that the participant may choose.
         usual: number of robots in the study.
         rules: rules of the game, in sentences.
         consent: text to which the participant must consent first; empty if the study has none, or consent was given.

@@ -20,7 +20,7 @@ class SlurmEngine(Generic[TaskT]):
     """Engine that uses Slurm jobs. It divides waiting tasks among the jobs of an array.
 
     Args:
-        jobs: largest number of jobs.
+        jobs: maximum number of jobs.
         log: folder for submitit's files.
         options: options of `sbatch`, by long name.
         cluster: "slurm", or for tests without Slurm "local" or "debug".

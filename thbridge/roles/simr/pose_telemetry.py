@@ -183,7 +183,7 @@ class _Plan:
     the drawn path would jump on the map.
 
     Args:
-        most: largest number of points.
+        most: maximum number of points.
     """
 
     def __init__(self, most: int) -> None:

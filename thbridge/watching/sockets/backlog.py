@@ -19,7 +19,7 @@ class Backlog:
     size of the queue is at most the limit plus the size of these records.
 
     Args:
-        limit: largest number of queued bytes.
+        limit: maximum number of queued bytes.
 
     Attributes:
         dropped: number of records dropped so far.

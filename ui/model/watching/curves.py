@@ -26,7 +26,7 @@ class Curve:
     Args:
         columns: number of values in a sample, without the time.
         peaks: True to keep the sample of a pair with the greater first value; False to keep the later sample.
-        most: largest number of samples; at least 4.
+        most: maximum number of samples; at least 4.
 
     Attributes:
         time: time of the last sample; minus infinity before the first.

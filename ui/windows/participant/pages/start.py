@@ -24,7 +24,7 @@ class StartPage(QWidget):
     Args:
         texts: texts in the window's language.
         least: smallest number of robots to choose from.
-        most: largest number of robots to choose from.
+        most: maximum number of robots to choose from.
         usual: number of robots that is selected at first.
         rules: rules of the game, in sentences.
         parent: parent widget.
