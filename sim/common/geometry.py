@@ -10,7 +10,7 @@ from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
 
 _cos_sin = lru_cache(maxsize=1024)(elementary.cos_sin)
-"""Cosine and sine with a cache, because every tick needs those of the same few directions, e.g. odom and laser."""
+"""Cosine and sine with a cache, because every tick needs them for the same few directions, e.g. of odom and laser."""
 
 
 @frozen()

@@ -40,7 +40,7 @@ def cache_folder() -> Path:
 
 
 def private_folder(candidates: Iterable[Path]) -> Path:
-    """Return the first folder that this account can write and no other account can.
+    """Return the first folder that only this account can change.
 
     If there is no such folder, try a temporary folder that all programs of this account share. If that fails too,
     return a folder that this process deletes when it ends. A notice names each folder that other accounts can change.

@@ -39,8 +39,8 @@ def param(
         minimum: minimum allowed value, inclusive.
         maximum: maximum allowed value, inclusive.
         choices: allowed words; if empty, any word.
-        plugins: group of entry points. The names of installed ones are allowed in addition to `choices`. If empty,
-            there is no group.
+        plugins: group of entry points. Names of installed plug-ins of this group are allowed in addition to
+            `choices`. If empty, there is no group.
     """
     metadata = _metadata(help, unit, minimum, maximum, choices, plugins)
     # Parameter classes are frozen, so all instances may share one default.
@@ -58,7 +58,7 @@ def live(
 ) -> T:
     """Declare a parameter that may change while a robot runs. ROS has it in a .cfg file of dynamic_reconfigure.
 
-    The arguments are those of `param`. See `sim.parameters.reconfiguration`, also about parameters that ROS does not
+    The arguments are the same as for `param`. See `sim.parameters.reconfiguration`, also about parameters that ROS does not
     have.
     """
     return field(default=default, metadata=_metadata(help, unit, minimum, maximum, choices, plugins) | {"live": True})

@@ -9,7 +9,7 @@ from sim.parameters.declaration import param
 
 @dataclass(frozen=True, slots=True)
 class FakeLocalizationParameters:
-    """Localization by the true pose, with the names of fake_localization. The map frame may have an offset."""
+    """Localization by the true pose. Parameters are named as in fake_localization. The map frame may have an offset."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
         "odom_frame_id": "name of the odometry frame in tf",

@@ -11,7 +11,7 @@ _WINDOW = "size of a window around the robot; ROS reads it but does not use it"
 
 @dataclass(frozen=True, slots=True)
 class NavfnParameters:
-    """The first global planner, with the names of navfn."""
+    """The first global planner. Its parameters are named as in navfn."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
         "planner_window_x": _WINDOW,
@@ -28,7 +28,7 @@ class NavfnParameters:
 
 @dataclass(frozen=True, slots=True)
 class GlobalPlannerParameters:
-    """The second global planner, with the names of global_planner."""
+    """The second global planner. Its parameters are named as in global_planner."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
         "planner_window_x": _WINDOW,

@@ -18,7 +18,7 @@ _UNUSED = "ROS's planner reads this parameter but does not use it"
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryPlannerParameters:
-    """The local planner that rolls out trajectories, with the names of base_local_planner.
+    """The local planner that rolls out trajectories. Its parameters are named as in base_local_planner.
 
     Difference from ROS: the goal tolerances may change while the planner runs. In ROS this is only possible for
     DWAPlannerROS.
@@ -99,14 +99,14 @@ class TrajectoryPlannerParameters:
 
 @dataclass(frozen=True, slots=True)
 class DwaPlannerParameters:
-    """The local planner with the dynamic window approach, with the names of dwa_local_planner."""
+    """The local planner with the dynamic window approach. Its parameters are named as in dwa_local_planner."""
 
     acc_lim_x: float = live(2.5, "maximum acceleration that the planner assumes", "m/s^2", 0.01, 100)
     acc_lim_theta: float = live(3.2, "maximum angular acceleration that the planner assumes", "rad/s^2", 0.01, 100)
     max_vel_trans: float = live(0.55, "maximum translational velocity", "m/s", 0, 20)
     min_vel_trans: float = live(
         0.1,
-        "minimum translational velocity; the planner tries lower ones only if it turns at min_vel_theta or faster",
+        "minimum translational velocity; slower commands are tried only if they turn at min_vel_theta or faster",
         "m/s",
         0,
         20,

@@ -27,7 +27,7 @@ class RecoveryBehavior:
 
 @dataclass(frozen=True, slots=True)
 class MoveBaseParameters:
-    """The navigator, with the names of move_base."""
+    """The navigator. Its parameters are named as in move_base."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
         "clearing_radius": "radius in which make_plan clears the costmaps; here make_plan does not clear them",

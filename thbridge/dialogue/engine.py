@@ -92,7 +92,7 @@ class DialogueEngine(Protocol):
         ...
 
     def speak(self, dialogue: Dialogue, move: Move, text: str = "") -> DialogueStep:
-        """Make the move of a robot in a held dialogue, and keep it held; `text` is as in `Turn`."""
+        """Make the move of a robot in a held dialogue. The dialogue remains held. `text` is as in `Turn`."""
         ...
 
     def release(self, dialogue: Dialogue) -> DialogueStep:

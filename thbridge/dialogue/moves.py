@@ -114,7 +114,7 @@ class Stop:
 
 
 class Question(StrEnum):
-    """Question of a person about a decision; the robot's answer changes nothing else."""
+    """Question of a person about a decision. The robot answers it; nothing else changes."""
 
     WHY_THIS = "why-this"
     WHY_NOT = "why-not"

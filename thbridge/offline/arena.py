@@ -36,7 +36,7 @@ APART = 1.0
 SKIPPED = 0.2
 """Minimum distance between a rejected start position and the next candidate, meters."""
 NEARER = 20.0
-"""Allowed additional distance of a start from the middle for each meter of additional distance from walls, meters."""
+"""A start may be this much farther from the middle for each meter that it is farther from walls, meters."""
 MOST_TRIED = 400
 """Maximum number of candidates for start poses. If they are not enough, the search returns fewer poses."""
 

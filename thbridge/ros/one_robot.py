@@ -77,7 +77,7 @@ class RobotPublisher:
     Attributes:
         names: its namespace and frames.
         topics: all topics that it publishes.
-        odom_in_map: pose of its frame odom by its last estimate. None before the first estimate.
+        odom_in_map: pose of its frame odom, according to its last estimate. None before the first estimate.
         map_to_odom: packed transform of `odom_in_map` without its head. Both must be set together.
         map_to_base: packed frames of its true pose.
         odom_to_base: packed frames of its odometry.

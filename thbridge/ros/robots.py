@@ -67,7 +67,8 @@ def namespace_of(topic: str) -> str:
 def owner_of(topic: str, robots: Collection[str]) -> str:
     """Return the known robot to which a topic belongs.
 
-    It is the robot in the topic's namespace. Without such a robot, it is the only robot, or the namespace itself.
+    It is the robot in the topic's namespace. If there is none, it is the only robot. If there are several robots, it is
+    the namespace itself.
     """
     path = topic.strip("/")
     within = [robot for robot in robots if robot and path.startswith(f"{robot}/")]

@@ -1,4 +1,4 @@
-"""Conversion of command line arguments to values. Error messages have the same words as those about files."""
+"""Conversion of command line arguments to values. Error messages have the same words as messages about files."""
 
 import inspect
 import re

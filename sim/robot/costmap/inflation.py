@@ -76,7 +76,7 @@ def _inflate(
     Args:
         costs: (rows, cols).
         table: (k * k + 1,) cost for each squared distance in cells, where k is the reach.
-        inflate_unknown: True if unknown cells accept any cost, not only that of the inscribed radius.
+        inflate_unknown: True if unknown cells accept any cost, not only the cost within the inscribed radius.
         row: first row of the window, with `col`, `row_end` and `col_end`. The window is within `costs`.
     """
     reach = int(math.sqrt(table.shape[0] - 1))
@@ -142,7 +142,7 @@ class InflationLayer:
         return ()
 
     def extents(self) -> tuple[Window, ...]:
-        """Return no windows, for the same reason."""
+        """Return no windows, because this layer changes only where previous layers change."""
         return ()
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:

@@ -49,7 +49,7 @@ class StaticLayer:
         return ()
 
     def extents(self) -> tuple[Window, ...]:
-        """Return no windows, for the same reason."""
+        """Return no windows, because a map never changes."""
         return ()
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:

@@ -1,8 +1,8 @@
 """Planning of itineraries for one robot: over the map, and in time among the other robots.
 
 The first attempt is the global planner's path, driven without a stop. If it meets other robots' itineraries, a search
-in space and time follows (`safe_interval`). If that fails, the result is the path without the other robots, which are
-asked to clear it.
+in space and time follows (`safe_interval`). If that fails, the result is the path that ignores the other robots. They
+are asked to clear it.
 """
 
 import math
@@ -44,7 +44,7 @@ from sim.robot.part_failure import PartFailed
 PLANNED_GAP = 0.16
 """Minimum distance between two robots' circumscribed circles in a plan, meters."""
 DRIVEN_GAP = 0.1
-"""Minimum distance between these circles while robots drive by right of way, meters."""
+"""Minimum distance between these circles while robots follow the right of way, meters."""
 ROOM_TO_TURN = 0.08
 """Minimum distance of the circumscribed circle from walls where a robot waits or makes a detour, meters."""
 
@@ -126,7 +126,7 @@ class ItineraryPlanner:
         self._too_near = cost_at(circumscribed, costmap.inscribed_radius, inflation.cost_scaling_factor)
 
     def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
-        """Update the costmap by the last broadcasts of the other robots."""
+        """Update the costmap with the last broadcasts of the other robots."""
         self.costmap.update_neighbours(neighbours)
         self.costmap.update(0.0, 0.0)
 

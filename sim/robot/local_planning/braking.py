@@ -34,7 +34,7 @@ WALL_MARGIN = 0.08
 LEAST_MARGIN = 0.03
 """Part of WALL_MARGIN that always remains, meters."""
 USUAL_PADDING = 0.01
-"""costmap_2d's default `footprint_padding`, meters. Padding in excess of it counts toward the margins."""
+"""costmap_2d's default `footprint_padding`, meters. If the padding is larger, the excess counts toward the margins."""
 SLIGHT_MARGIN = 0.01
 """Minimum of a margin after the subtraction of excess padding, meters."""
 NEIGHBOUR_MARGIN = 0.14

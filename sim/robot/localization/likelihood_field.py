@@ -176,7 +176,7 @@ class Beams:
 
     @classmethod
     def of(cls, mount: LaserMount, max_beams: int, max_range: float, min_range: float = -1.0) -> "Beams":
-        """Select at most `max_beams` beams (at least two). A negative limit is replaced by the laser's own.
+        """Select at most `max_beams` beams (at least two). A negative limit is replaced by the laser's own limit.
 
         Difference from ROS: at most the requested number is selected, while amcl's integer step selects up to one more.
         """

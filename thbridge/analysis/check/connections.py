@@ -21,7 +21,7 @@ from thbridge.ros.messages.types import OCCUPANCY_GRID, OWN_TYPES, md5_of, plain
 READERS = (BagTool.ROSBAG, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
 """Tools that decode messages with the definition in the bag; rviz and evo use their own definitions."""
 LIVE = (BagTool.ROSBAG, BagTool.RVIZ)
-"""Tools that depend on live messages: rviz shows what `rosbag play` publishes."""
+"""Tools that depend on live messages. rviz shows the messages that `rosbag play` publishes."""
 MAP_PERIOD = 5.0
 """Longest period of a map that need not be latched, seconds."""
 _PART = re.compile(r"^={40,}\r?\nMSG: *(\S+)\r?$", re.MULTILINE)

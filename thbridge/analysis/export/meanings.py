@@ -294,7 +294,7 @@ def topic_meaning(topic: str) -> str:
 
 
 def suffix_of(unit: str) -> str:
-    """Return a unit as suffix of a column's name: "m/s2" gives "m_s2"."""
+    """Return a unit as the suffix of a column's name: "m/s2" gives "m_s2"."""
     return _SUFFIXES.get(unit, unit.replace("/", "_").replace(" ", "_").lower())
 
 

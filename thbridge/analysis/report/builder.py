@@ -102,7 +102,7 @@ class ReportBuilder:
     """Collector of the contents of messages, by type.
 
     Attributes:
-        first_ns: stamp from which times count: of the first message, or of the beginning of the game.
+        first_ns: stamp that has the time 0: that of the first message, or that of the beginning of the game.
         game: number of the game that began; None before the first.
     """
 
@@ -141,7 +141,7 @@ class ReportBuilder:
         return self.game is not None or self._score is not None
 
     def next_game(self, begins_ns: int) -> "ReportBuilder":
-        """Return the builder of the next game. Copy session, map and rooms, because they are recorded only once."""
+        """Return the builder of the next game. Copy the session, map and rooms, because they are recorded only once."""
         builder = ReportBuilder(self._series.named)
         builder.first_ns = builder._last_ns = begins_ns
         builder._begins = self._begins + self._seconds(begins_ns)

@@ -46,5 +46,5 @@ class WaysMade:
             self.robots[robot].append(WayMade(time, np.inf, other))
 
     def of(self, robot: str, end: float) -> tuple[WayMade, ...]:
-        """Return the times of a robot, in order; a time that has not ended lasts until `end`."""
+        """Return the periods of a robot, in order; a period that has not ended lasts until `end`."""
         return tuple(replace(made, end=min(made.end, end)) for made in self.robots.get(robot, ()))

@@ -89,7 +89,7 @@ def _part(report: Report, several: bool) -> dict[str, object]:
 
 
 def _shown(track: Track) -> Track:
-    """Return a track without the data that no figure of the page shows. These data are a large share of a track."""
+    """Return a track with only the data that figures of the page show. The other data are a large share of a track."""
     placed = len(track.truth) or len(track.estimate)
     nothing = np.empty((0, 4))
     return replace(track, speeds=nothing, commands=nothing, odometry=nothing if placed else track.odometry)

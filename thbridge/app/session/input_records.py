@@ -139,7 +139,7 @@ def _fields(value: object) -> object:
 
 
 def _with_owner(request: Request) -> Request:
-    """Return a request in which the goal has an owner and the owner's number, both from the recorded number."""
+    """Return a request in which the goal's recorded number is replaced by its owner and the owner's own number."""
     match request:
         case SendGoal(_, goal):
             owner, number = owned_number(goal.id)

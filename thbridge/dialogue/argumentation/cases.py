@@ -48,7 +48,7 @@ class DialogueCase:
 
 
 def case_of(robot: Stance, human: Stance) -> DialogueCase:
-    """Return the case of the robot's opinion on a proposition, and the opinion that it attributes to the human."""
+    """Return the case for two opinions on a proposition: the robot's, and the one that it attributes to the human."""
     return _CASES[robot, human]
 
 

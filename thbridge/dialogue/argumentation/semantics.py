@@ -164,7 +164,7 @@ class _Search:
                         stack.append((guess, still_open, len(some_of)))
 
     def _undetermined(self, may_be: Sequence[int]) -> int | None:
-        """Return the index of the argument with an unknown label that attacks the most other arguments."""
+        """Return the index of the argument that attacks the most arguments, among arguments with an unknown label."""
         places = (place for place, labels in enumerate(may_be) if labels & (labels - 1))
         return max(places, key=lambda place: len(self._attacked[place]), default=None)
 

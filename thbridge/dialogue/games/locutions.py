@@ -259,7 +259,7 @@ def _concludes(accepter: Agent, proposer: Agent, move: DialogueMove, at: float) 
 
 
 def _with_rule(agent: Agent, rule: Rule, at: float) -> Agent:
-    """Return an agent that holds a rule and takes the other agent to hold it. A side applies the rule if it can."""
+    """Return an agent that holds a rule and assumes that the other agent holds it. Sides apply the rule if they can."""
     beliefs = agent.beliefs.gaining(rule, Origin(Source.TOLD, at))
     if all(premise in beliefs for premise in rule.premises):
         beliefs = beliefs.gaining(rule.conclusion, Origin(Source.COMPUTED, at))

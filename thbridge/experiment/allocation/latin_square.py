@@ -1,4 +1,4 @@
-"""Orders of conditions: each condition is equally often at every position and after every other condition.
+"""Orders of conditions: each condition occurs equally often at each position and after each other condition.
 
 Source: Williams, Experimental designs balanced for the estimation of residual effects of treatments (1949).
 """
@@ -44,7 +44,7 @@ def cyclic_latin_square(conditions: int) -> tuple[Order, ...]:
 
 
 def is_balanced(orders: Sequence[Order]) -> bool:
-    """Return True if each condition is equally often at every position and directly after every other condition."""
+    """Return True if each condition occurs equally often at each position and directly after each other condition."""
     at = {(place, one): 0 for one in orders[0] for place in range(len(orders[0]))}
     behind = {(one, other): 0 for one in orders[0] for other in orders[0] if one != other}
     for order in orders:

@@ -41,10 +41,10 @@ class OrderKind(StrEnum):
     """Rule for the order of the conditions of each person."""
 
     BALANCED = "balanced"
-    """Balanced Latin square: each condition is equally often at every position, and equally often after each other
+    """Balanced Latin square: each condition occurs equally often at each position, and equally often after each other
     condition."""
     CYCLIC = "cyclic"
-    """Cyclic Latin square: each condition is equally often at every position.
+    """Cyclic Latin square: each condition occurs equally often at each position.
 
     For an odd number of conditions, this rule needs only half the number of orders of a balanced square.
     """

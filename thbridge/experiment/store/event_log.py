@@ -4,8 +4,8 @@ A row has the event as text, a random salt, the digest of both, and the chain. T
 chain and the row's digest. So the digest reveals a changed row, and the chain reveals a missing, added or moved row.
 
 If the last rows are missing, the remaining rows are consistent. Therefore each append also writes the number of rows
-and the last chain to a second file, the head. A log that is shorter than its head is incomplete. The head also names
-the database and its write-ahead log, so that readers can refuse files from different logs.
+and the last chain to a second file, the head. A log with fewer rows than its head states is incomplete. The head also
+names the database and its write-ahead log, so that readers can refuse files from different logs.
 
 A withdrawal deletes the text and the salt of an event, but keeps the digest. So the chain stays valid, and the digest
 reveals nothing about the text. A later event of kind WITHDRAWN must list the deleted rows. Otherwise deleted rows count

@@ -29,7 +29,7 @@ class ClientKey:
 
 
 def key_text(secret: str, fingerprint: str) -> str:
-    """Return the text of a file with a key."""
+    """Return the text of a key file."""
     return f"{secret}\nsha256:{fingerprint}\n"
 
 

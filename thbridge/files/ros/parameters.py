@@ -243,7 +243,7 @@ def namespace_in(path: Path) -> tuple[str, Path]:
 
 
 def _parsed(path: Path, notices: list[str]) -> tuple[Path, Section]:
-    """Return the file that a path names, and its entries, moved into the namespace that the path names."""
+    """Return the file of a path, and its entries. If the path begins with a namespace, this namespace contains them."""
     namespace, file = namespace_in(path)
     tree = _normal(file, notices)
     if namespace:

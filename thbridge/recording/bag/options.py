@@ -31,9 +31,9 @@ class SplitLimits:
     """Limits of a file, after which a recording continues in another file.
 
     Attributes:
-        size: bytes after which a file ends. If None, there is no limit. A file always ends with a whole chunk and all
-            messages of one stamp. Latched messages that are repeated at the beginning of a file do not count, because
-            they alone may exceed the limit.
+        size: bytes after which a file ends. If None, there is no limit. A file always ends with a complete chunk, and
+            never between messages with equal stamps. Latched messages that are repeated at the beginning of a file do
+            not count, because they alone may exceed the limit.
         duration_ns: longest recorded time of a file. If None, there is no limit.
     """
 

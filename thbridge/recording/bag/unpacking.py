@@ -16,7 +16,7 @@ from thbridge.files.disk.regular_files import is_regular
 from thbridge.recording.bag.damage import TooLargeChunk
 
 ALWAYS = 1 << 28
-"""Unpacked size that is allowed for any chunk, in bytes. Usual chunks have 768 KiB, or one large message."""
+"""Unpacked size that is allowed for any chunk, in bytes. Chunks usually have 768 KiB, or one large message."""
 TIMES_PACKED = 64
 """Largest ratio of unpacked size to packed size, for chunks with an unpacked size above `ALWAYS`."""
 ALWAYS_IN_ALL = 1 << 32

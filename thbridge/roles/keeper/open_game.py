@@ -133,7 +133,7 @@ class OpenGame:
         return self.knowledge.advice(state, self.dialogues, robot)
 
     def where_facts(self, state: GameState, robot: int, advised: Room) -> WhereFacts:
-        """Return an arguing robot's facts about its next room. `advised` is the room that its planner has chosen."""
+        """Return the facts of a robot that argues about its next room. `advised` is the room that its planner chose."""
         return self.knowledge.where(state, self.dialogues, robot, self.tick, advised)
 
     def stop(self, robot: int) -> None:

@@ -114,7 +114,7 @@ class StationSend:
 
 @dataclass(frozen=True, slots=True)
 class StationStop:
-    """Stop a robot's move of the game. Every ground station may request this, even without command of the robot."""
+    """Stop a robot's move of the game. A ground station may request this even if it does not command the robot."""
 
     robot: int
 

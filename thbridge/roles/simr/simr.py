@@ -198,7 +198,7 @@ class SimR(RobotsRole):
         )
 
     def _follow(self, orders: Orders) -> None:
-        """Start and stop moves by these orders."""
+        """Start and stop moves as these orders require."""
         former, self._orders = self._orders, orders
         if former is None or former.game != orders.game:
             self._begin(orders, again=former is not None)

@@ -30,7 +30,7 @@ _FIRST = {
 
 
 def recorded_number(owner: str, number: int) -> int:
-    """Return the number of an owner's goal in recordings."""
+    """Return the number that a goal has in recordings; `number` is the owner's own number of the goal."""
     return _FIRST[GoalOwner(owner)] + number
 
 

@@ -95,7 +95,7 @@ class RouterInterface(Protocol):
 
 
 class TextServer:
-    """TCP server of one router. It accepts plain connections, and with keys also TLS connections.
+    """TCP server of one router. It accepts plain connections. If there are keys, it also accepts TLS connections.
 
     Args:
         clock: returns seconds. It must not run backward.

@@ -107,7 +107,7 @@ _ROWS = ("mean error", "95 % of errors within", "distance driven", "arrivals", "
 
 
 def _column(robot: RobotFigures | None) -> tuple[str, ...]:
-    """Return the figures of a robot, one per row; dashes for a missing robot."""
+    """Return the figures of a robot, one per row. If the robot is missing, the rows contain dashes."""
     if robot is None:
         return ("-",) * len(_ROWS)
     return (

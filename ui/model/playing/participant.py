@@ -228,14 +228,14 @@ class Participant:
         )
 
     def _announcing(self, fresh: Screen) -> Screen:
-        """Return the screen with the newest announcement; if there is no new announcement, with the previous one."""
+        """Return the screen with the newest announcement. If there is no new announcement, the previous one remains."""
         announcement = self._memory.history.take_announcements()
         before = ("", 0) if self._screen is None else (self._screen.announcement, self._screen.announcement_number)
         announcement, number = (announcement, before[1] + 1) if announcement else before
         return replace(fresh, announcement=announcement, announcement_number=number)
 
     def _sounding(self, fresh: Screen) -> Screen:
-        """Return the screen with the most important new sound; if there is no new sound, with the previous one."""
+        """Return the screen with the most important new sound. If there is no new sound, the previous sound remains."""
         memory = self._memory
         heard = memory.sounds if memory.sound_on and memory.hunt is not None and memory.hunt.view.sound else []
         before = (None, 0) if self._screen is None else (self._screen.sound, self._screen.sound_number)

@@ -31,7 +31,7 @@ HIT_RADIUS = 24.0
 """Distance from a robot's middle within which a click selects the robot, pixels."""
 
 DRAG_THRESHOLD = 4.0
-"""Distance from which a movement of the pressed pointer is a drag, not a click, pixels."""
+"""If the pressed pointer moves at least this distance, the movement is a drag and not a click, pixels."""
 
 FOLLOW_SCALE = 60.0
 """Smallest scale after the map begins to follow a robot, pixels per meter."""

@@ -23,7 +23,7 @@ _CORNERS: tuple[Corner, ...] = ((True, True), (True, False), (False, True), (Fal
 
 
 class MapArea(QWidget):
-    """Map that fills the whole area. Over the map are a banner, the history, and at most one panel.
+    """Map that fills the whole area. A banner, the history and at most one panel cover parts of the map.
 
     A pop-up about a robot covers the corner of the map that is farthest from the robot and its room. While the pop-up
     is about the same robot, it stays in this corner, unless it would hide the robot or the room. A pop-up covers at

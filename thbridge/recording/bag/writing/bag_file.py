@@ -115,7 +115,7 @@ class ChunkFile:
         return b"".join(connection_record(connection) for connection in chunk.entries if connection not in self._known)
 
     def _append(self, data: bytes) -> None:
-        """Write data after the kept bytes, and then also keep these data."""
+        """Write data after the kept bytes. From then on, these data belong to the kept bytes."""
         self._put(data)
         self.size += len(data)
         if self._end > self.size:

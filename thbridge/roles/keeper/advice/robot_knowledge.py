@@ -52,7 +52,7 @@ class RobotKnowledge:
         advised: Room | None,
         rival: Room | None = None,
     ) -> WhereFacts:
-        """Return an arguing robot's facts about its next room.
+        """Return the facts of a robot that argues about its next room.
 
         Args:
             state: state of the game.

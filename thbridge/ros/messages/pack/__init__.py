@@ -1,8 +1,8 @@
 """Conversion of the simulation's values to bytes of ROS 1 messages.
 
-The bytes are written directly in the wire format (roscpp_serialization): fields are in order and little-endian, and a
-32-bit length is before strings and lists. Ten robots publish 1,900 messages per second, so message objects would be too
-slow.
+The bytes are written directly in the wire format (roscpp_serialization): fields are in order and little-endian.
+Strings and lists begin with a 32-bit length. Ten robots publish 1,900 messages per second, so message objects would be
+too slow.
 
 The `seq` of every header is the tick. A gap means that no message was due. Poses are planar: z, roll and pitch are 0.
 """
