@@ -194,7 +194,7 @@ def cos(x: float) -> float:
 
 
 def cos_sin(x: float) -> tuple[float, float]:
-    """Return cosine and sine of an angle in radians, with the same bits as separate calls, but faster."""
+    """Return the cosine and sine of an angle in radians, with the same bits as separate calls, but faster."""
     x = float(1.0 * x)
     if not math.isfinite(x):
         return math.nan, math.nan

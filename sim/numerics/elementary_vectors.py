@@ -67,7 +67,7 @@ def _sin(angles: FloatArray) -> FloatArray:
 def _reduced(
     angles: FloatArray,
 ) -> tuple[tuple[FloatArray, FloatArray, FloatArray, FloatArray], FloatArray, FloatArray]:
-    """Return cosine and sine of the nearest table steps, each in two parts, and the rest of the angles in two parts."""
+    """Return the cosines and sines of the nearest table steps, and the rests of the angles, each in two parts."""
     steps, rest, error = elementary.reduced_near(angles)
     cos_1, cos_2, sin_1, sin_2 = TURNS[steps.astype(np.int64) & 127].T
     return (cos_1, cos_2, sin_1, sin_2), rest, error

@@ -58,8 +58,8 @@ def live(
 ) -> T:
     """Declare a parameter that may change while a robot runs. ROS has it in a .cfg file of dynamic_reconfigure.
 
-    The arguments are the same as for `param`. See `sim.parameters.reconfiguration`, also about parameters that ROS does not
-    have.
+    The arguments are the same as for `param`. See `sim.parameters.reconfiguration`, also about parameters that ROS
+    does not have.
     """
     return field(default=default, metadata=_metadata(help, unit, minimum, maximum, choices, plugins) | {"live": True})
 

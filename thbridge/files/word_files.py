@@ -155,7 +155,7 @@ def check_words(folder: Path, *, locutions: Sequence[Locution] | None = None) ->
 
 
 def read_head(folders: Sequence[Path], name: str) -> LanguageHead:
-    """Read name and grammar of a language. Raises BadFile as `read_language` does."""
+    """Read the name and grammar of a language. Raises BadFile as `read_language` does."""
     return _head([loaded for of_folder in _load(folders, name) for loaded in of_folder], folders, name, ())
 
 
@@ -203,7 +203,7 @@ def _load(folders: Sequence[Path], name: str) -> list[list[Loaded[_WordsYaml]]]:
 def _head(
     files: Sequence[Loaded[_WordsYaml]], folders: Sequence[Path], name: str, above: tuple[str, ...]
 ) -> LanguageHead:
-    """Return name and grammar of a language from its files; `above` are the languages that fall back on it."""
+    """Return the name and grammar of a language from its files; `above` are the languages that fall back on it."""
     headed = next((loaded for loaded in reversed(files) if loaded.value.language is not None), None)
     if headed is None or headed.value.language is None:
         remedy = "Add to one of its files: language: {title: ..., falls_back_on: en}"

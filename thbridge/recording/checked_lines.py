@@ -20,7 +20,7 @@ def checked(text: str, before: str) -> tuple[bytes, str]:
 
     Args:
         text: a JSON object with at least one member.
-        before: checksum of the line before; "" for the first line.
+        before: checksum of the previous line; "" for the first line.
     """
     body = text.encode()
     length = f',"length":{len(body)}'.encode()

@@ -85,7 +85,7 @@ def _rays(
     theta: float, angle_min: float, angle_increment: float, ranges: NDArray[np.float32], range_min: float,
     range_max: float,
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return readings and rays of a `Sweep`, for a scan of a laser with heading `theta` in the map."""
+    """Return the readings and rays of a `Sweep`, for a scan of a laser with heading `theta` in the map."""
     readings, rays = np.empty(ranges.shape[0]), np.empty((ranges.shape[0], 2))
     for i in range(ranges.shape[0]):
         reading = float(ranges[i])

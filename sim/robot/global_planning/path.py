@@ -74,7 +74,7 @@ def plan_refusal(code: PlanRefusalCode) -> PlanRefusal:
 def with_edge(
     refusal: PlanRefusal, shape: tuple[int, ...], frame: CostFrame, start: Pose2, goal: Pose2, radius: float = 0.0
 ) -> PlanRefusal:
-    """Return the refusal. If start or goal is too near to the map's edge for planner or body, add a note.
+    """Return the refusal. If the start or goal is too near to the map's edge for the planner or body, add a note.
 
     Args:
         refusal: reason why no path exists.
@@ -82,7 +82,7 @@ def with_edge(
         frame: frame of the map.
         start: pose of the base.
         goal: pose at the end.
-        radius: radius of the body, meters. The note is added if start or goal is nearer to the edge than this. If 0, it
+        radius: radius of the body, meters. The note is added if a place is nearer to the edge than this. If 0, it
             is added only for the outermost cells.
     """
     if refusal.sentence != _SENTENCES.get(refusal.code) or refusal.code in {"start_outside", "goal_outside"}:

@@ -41,7 +41,7 @@ class PotentialMethod(Protocol):
 
     @property
     def exact(self) -> bool:
-        """True if wave and path start at exact positions, False if both start at centers of cells."""
+        """True if the wave and the path start at exact positions, False if both start at centers of cells."""
 
     def spread(self, space: Workspace, x: float, y: float, target: int, portion: int) -> Iterator[None]:
         """Fill the potential from a position, in cells, until the target is reached. -1 means no target.

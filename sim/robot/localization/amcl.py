@@ -4,8 +4,8 @@ A cloud of particles represents the pose. At the first scan after enough motion,
 resampled (`hypothesis`). If the scans fit the map badly from this pose, a second cloud, the rival, searches for the
 robot on the whole map. The tracked pose is reported until the rival has explained scans better for some time. So a
 single bad scan, a person near the robot or a closed door does not make the pose jump. The robot is lost if several
-scans fit the pose so badly that it cannot be right, or if the rival is better. It is found if particles and map agree
-for some successive scans, and if scans have disproved the best other pose on the map.
+scans fit the pose so badly that it cannot be right, or if the rival is better. It is found if some
+successive scans agree with the map, and if scans have disproved the best other pose on the map.
 
 Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 8.3, sized by KLD sampling (Fox 2003); amcl_node.cpp
 and pf.c of ros-planning/navigation for the times and the order of the steps. Docstrings name the differences from amcl.

@@ -69,7 +69,7 @@ NEARBY_SHARE = 0.2
 """Share of a generation that is drawn around the hypothesis's own pose while scans fit this pose badly."""
 
 MOST_NEAR = 500
-"""Maximum number of particles in a search around the present pose and the previous one."""
+"""Maximum number of particles in a search around the present pose and the previous pose."""
 CLEARLY_BETTER = 0.1
 """Additional share of a scan that the result of this search must explain.
 

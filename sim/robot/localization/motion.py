@@ -266,8 +266,8 @@ class MotionModel:
 
         Particles are moved with random errors of the assumed size. If the true odometry noise has this size, the
         particles that fit a scan have average errors. If it is larger, the particles with the largest errors fit best.
-        The ratio of their mean square error to that of all particles shows how much larger the noise is. The factors
-        are never below 1, so the alphas give the minimum noise.
+        Their mean square error, divided by the mean square error of all particles, shows how much larger the noise is.
+        The factors are never below 1, so the alphas give the minimum noise.
 
         Args:
             scales: previous factors, with which the particles were moved.

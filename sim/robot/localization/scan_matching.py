@@ -81,7 +81,7 @@ def signed_distance(grid: OccupancyGrid, max_distance: float) -> FloatArray:
 def _normal_equations(
     field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Return matrix and right side of the Gauss-Newton step, and the mean weight of the points."""
+    """Return the matrix and right side of the Gauss-Newton step, and the mean weight of the points."""
     matrix = np.zeros((3, 3))
     right = np.zeros((3, 1))
     weights = 0.0

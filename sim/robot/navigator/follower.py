@@ -168,7 +168,7 @@ class Follower:
 
     @property
     def time(self) -> float:
-        """Time of the itinerary's point that the robot has reached."""
+        """Time of the itinerary point that the robot has reached."""
         return float(self._itinerary.times[self._index])
 
     @property
@@ -297,8 +297,8 @@ class Follower:
     def _drivable_stretch(self, pose: Pose2, allowed: int, yields: bool) -> tuple[FloatArray | None, float, bool]:
         """Return the part of the path to drive along now, or None if the robot has to wait.
 
-        Also return the time before the end of this part at which the robot slows down, seconds, and True if an obstacle
-        ends the part.
+        Also return how many seconds before the end of this part the robot slows down, and True if an obstacle ends the
+        part.
         """
         points, costmap = self._itinerary.points[self._index : allowed + 1], self._controller.costmap
         count, stopped, turns = _drivable(points, costmap.costs, costmap.frame, pose.x, pose.y)

@@ -127,7 +127,7 @@ class BagStructure:
         return 0.0 if self.start_ns is None or self.end_ns is None else (self.end_ns - self.start_ns) / 1e9
 
     def tools_of(self, topic: str, tools: tuple[BagTool, ...]) -> tuple[BagTool, ...]:
-        """Return those of the given tools that read a topic: evo reads only some types."""
+        """Return the given tools that can read a topic: evo reads only some types."""
         types = {source.msgtype for source in self.connections.values() if source.topic == topic}
         return tools if types.intersection(EVO_TYPES) else tuple(tool for tool in tools if tool is not BagTool.EVO)
 

@@ -278,7 +278,7 @@ def _is_plain(value: object) -> bool:
 
 
 def _column(values: list[object]) -> tuple[str, Values]:
-    """Return type and values of a column: numbers, or strings if a value is no number. Missing values: NaN or None."""
+    """Return the type and values of a column: numbers, or strings if a value is no number. Missing: NaN or None."""
     if all(value is None or (isinstance(value, int | float) and not isinstance(value, bool)) for value in values):
         numbers = [np.nan if value is None else float(str(value)) for value in values]
         return "float64", np.array(numbers, dtype=np.float64)

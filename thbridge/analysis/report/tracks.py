@@ -262,7 +262,7 @@ class _Sources:
         return [topic for topic in topics if owner_of(topic, self._robots) == self._robot]
 
     def paths(self) -> _Paths:
-        """Return its poses over time. Stamps are used as times if truth and estimate can be compared by stamps."""
+        """Return the robot's poses over time. The times are stamps if the truth and the estimate have usable stamps."""
         truth, odometry = self._truth(), self._odometry_taken()
         estimate, corrections = self._estimate(odometry)
         believed = odometry if corrections is not None else estimate
@@ -400,7 +400,7 @@ def _estimates(poses: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
 
 
 def deviations(time: float, covariance: FloatArray) -> tuple[float, float, float] | None:
-    """Return time and standard deviations of position (m) and heading (rad); None if the covariance is not valid."""
+    """Return a time and standard deviations of position (m) and heading (rad); None if the covariance is not valid."""
     position, heading = covariance[0, 0] + covariance[1, 1], covariance[2, 2]
     if not (0.0 <= position <= LARGEST and 0.0 <= heading <= LARGEST):
         return None

@@ -1,4 +1,4 @@
-"""Versions and machine of this process, which can change results, as study, seed and inputs do."""
+"""Versions and machine of this process. They can change results, like the study, the seed and the inputs."""
 
 import os
 import platform

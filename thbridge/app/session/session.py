@@ -229,7 +229,7 @@ class Session:
     # Inputs from outside
 
     def ask(self, sender: str, request: Request) -> None:
-        """Pass a request to robots or game, in the name of the sender.
+        """Pass a request to the robots or the game, in the name of the sender.
 
         Raises:
             ValueError: the request is to robots, which run in another program.

@@ -48,7 +48,7 @@ def with_our_behaviours(entries: list[Entry], where: str, notices: list[str]) ->
 
 
 def _behaviours(node: Node) -> list[tuple[str, str]]:
-    """Return name and type of each entry of recovery_behaviors."""
+    """Return the name and type of each entry of recovery_behaviors."""
     found = []
     for item in node.items if isinstance(node, Listing) else []:
         entries = item.entries if isinstance(item, Section) else []

@@ -14,7 +14,7 @@ from thbridge.files.errors import BadFile, BadFiles
 LARGEST_TABLE = 1 << 26
 """Largest size of a file, bytes. This is about a million rows."""
 MOST_FAULTS = 10
-"""Maximum number of faults to report, because a wrong table may have one in every row."""
+"""Maximum number of faults to report, because a wrong table may have a fault in every row."""
 
 
 def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:

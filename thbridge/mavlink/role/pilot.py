@@ -99,7 +99,7 @@ class Pilot:
         start: start pose, map frame.
         speed_limit: speed limit of the robot.
         parameters: its parameters in MAVLink.
-        ask: queues requests to robots and game for the next tick. Recordings do not contain these requests,
+        ask: queues requests to the robots and the game for the next tick. Recordings do not contain these requests,
             because they follow from the recorded frames.
     """
 

@@ -77,7 +77,7 @@ class TripDispatcher:
 
     Args:
         robot: its index in the team, from 0.
-        ask: queues requests to robots and game for the next tick.
+        ask: queues requests to the robots and the game for the next tick.
     """
 
     def __init__(self, robot: int, ask: Callable[[Request], None]) -> None:

@@ -16,7 +16,7 @@ from thbridge.mavlink.wire.traffic import OutgoingFrame
 from thbridge.roles.shared.robot_requests import Request
 
 RequestSink: TypeAlias = Callable[[Request], None]
-"""Function that queues a request to robots and game for the next tick."""
+"""Function that queues a request to the robots and the game for the next tick."""
 
 
 class Vehicles:
@@ -48,6 +48,6 @@ class Vehicles:
         return link
 
     def step(self, snapshot: TeamSnapshot, game: GameState | None) -> list[OutgoingFrame]:
-        """Update after a tick of robots and game, and return the frames that vehicles send."""
+        """Update after a tick of the robots and the game, and return the frames that vehicles send."""
         readings = [pilot.follow(snapshot, game) for pilot in self._pilots]
         return self.hub.step(snapshot.tick, readings)

@@ -154,7 +154,7 @@ class StationTrip:
                 self._problem = text
 
     def _watch(self, robot: KnownRobot, now: float) -> None:
-        """Check heartbeat, position and arming of the robot, because its texts may be lost on the link."""
+        """Check the heartbeat, position and arming of the robot, because its texts may be lost on the link."""
         # This condition is also True for NaN, an unknown speed.
         if not robot.speed < _STANDING:
             self._stood = now

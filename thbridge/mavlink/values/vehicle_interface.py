@@ -1,7 +1,7 @@
 """Interface between a vehicle and its robot: commands that a ground station may give, and readings of the robot.
 
-A vehicle handles MAVLink and does not depend on the game. The implementation of `VehicleInterface` handles robot and
-game, and does not depend on MAVLink.
+A vehicle handles MAVLink and does not depend on the game. The implementation of `VehicleInterface` handles the
+robot and the game, and does not depend on MAVLink.
 """
 
 from collections.abc import Sequence

@@ -18,7 +18,7 @@ from thbridge.ros.messages.identification import DefinitionSource
 
 MAGIC = b"#ROSBAG V2.0\n"
 HEADER_BYTES = 4096
-"""Size of header and padding of the first record, without its two length words. rosbags includes these words; ROS 1
+"""Size of the first record: its header and padding, without its two length words. rosbags includes these words; ROS 1
 does not. ROS 1's `reindex` overwrites exactly the number of bytes that ROS 1 writes."""
 
 U32 = Struct("<I")

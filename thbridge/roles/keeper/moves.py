@@ -65,7 +65,7 @@ class UnreachedRooms:
         self._to_report: set[int] = set()
 
     def note(self, event: JournalEntry, state: GameState | None, moves: TeamMoves) -> None:
-        """Process an event before it changes state and moves. After an arrival, a robot considers all rooms again."""
+        """Process an event before it changes the state. After an arrival, a robot considers all rooms again."""
         if isinstance(event, RobotArrived):
             self._rooms.pop(event.robot, None)
         elif isinstance(event, MoveFailed) and state is not None and not moves.is_stopping(event.robot):

@@ -132,7 +132,7 @@ class Deliveries:
 
 
 def _address_of(api: str) -> str:
-    """Return host and port of a URI, without its path."""
+    """Return the host and port of a URI, without its path."""
     return api.partition("//")[2].partition("/")[0]
 
 

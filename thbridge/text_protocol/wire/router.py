@@ -193,7 +193,7 @@ class NameTaken:
 
 @dataclass(slots=True)
 class _Connection:
-    """TCP client. `pinged` is the time of a ping after which no line has arrived yet."""
+    """TCP client. `pinged` is the time of the last ping, or None if a line has arrived since then."""
 
     id: ConnectionId
     lines: LineSplitter

@@ -57,7 +57,7 @@ def check_ports(ports: Mapping[int, str] = PORTS) -> Iterator[HealthCheck]:
 
 
 def holder(port: int) -> str | None:
-    """Return name and process id of the program that listens at a port; None if this account cannot see it."""
+    """Return the name and process id of the program that listens at a port; None if this account cannot see it."""
     if Path("/proc/net/tcp").exists():
         return _by_proc(port)
     lsof = shutil.which("lsof")

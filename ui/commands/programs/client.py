@@ -42,7 +42,7 @@ def read_templates(wanted: str, beside: Path) -> TemplateSet:
 
 
 def address_of(server: str | None, study: ServerSection) -> tuple[str, int]:
-    """Return host and port of the text server, from the option `--server` or else from the study."""
+    """Return the host and port of the text server, from the option `--server` or else from the study."""
     if server is None:
         if study.port == 0:
             fail(

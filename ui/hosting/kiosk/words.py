@@ -48,12 +48,12 @@ def page(shown: ToKiosk) -> str:
 
 
 def headed(texts: Texts, name: str) -> tuple[str, str]:
-    """Return heading and text of a page."""
+    """Return the heading and text of a page."""
     return texts.text(f"kiosk.{name}"), texts.text(f"kiosk.{name}_text")
 
 
 def no_place(texts: Texts, why: NoPlace) -> tuple[str, str]:
-    """Return heading and text for people who arrive when no place in the study is free."""
+    """Return the heading and text for people who arrive when no place in the study is free."""
     heading, text = headed(texts, NO_PLACES[why])
     return heading, f"{text} {texts.text('kiosk.tell_researcher')}"
 
@@ -112,7 +112,7 @@ def results(texts: Texts, games: Sequence[tuple[int, int | None]]) -> str:
 
 
 def before_debriefing(texts: Texts, run: Run) -> tuple[str, str]:
-    """Return heading and text of the page before the debriefing, for a person whose run ended early."""
+    """Return the heading and text of the page before the debriefing, for a person whose run ended early."""
     heading = texts.text("kiosk.thank_you" if run.state is RunState.LEFT else "kiosk.ends_here")
     return heading, f"{_ended_early(texts, run)} {texts.text('kiosk.debrief_comes')}"
 
@@ -125,7 +125,7 @@ def _ended_early(texts: Texts, run: Run) -> str:
 
 
 def farewell(texts: Texts, run: Run) -> tuple[str, str]:
-    """Return heading and text of the last page."""
+    """Return the heading and text of the last page."""
     thanks, call = texts.text("kiosk.thank_you"), texts.text("kiosk.tell_researcher")
     kept = texts.text("kiosk.kept_under_code", code=run.participant)
     match run.state:

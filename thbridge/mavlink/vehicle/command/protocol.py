@@ -1,6 +1,6 @@
 """Command protocol, which checks, executes and acknowledges commands.
 
-The vehicle answers each command by one COMMAND_ACK to its sender. For a long command it first sends acknowledgements
+The vehicle answers each command with one COMMAND_ACK to the sender. For a long command it first sends acknowledgements
 with IN_PROGRESS.
 
 Source: the MAVLink developer guide, "Command Protocol".

@@ -72,5 +72,5 @@ class Capabilities:
         )
 
     def _general(self) -> tuple[int, bytes]:
-        """Return checksum and URI of the general metadata file."""
+        """Return the checksum and URI of the general metadata file."""
         return checksum(self._files.contents[GENERAL]), uri(GENERAL).encode()

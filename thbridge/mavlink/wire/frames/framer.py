@@ -75,7 +75,7 @@ class FrameParser:
         self._held = b""
 
     def receive_data(self, data: bytes) -> list[Frame | DiscardedBytes]:
-        """Return frames and discarded bytes in order, each as early as it can be identified.
+        """Return the frames and discarded bytes in order, each as early as it can be identified.
 
         The sum of their sizes is the number of received bytes. Only the division of discarded bytes into items depends
         on the pieces of the stream.
@@ -84,13 +84,13 @@ class FrameParser:
         return found
 
     def end(self) -> list[Frame | DiscardedBytes]:
-        """Return frames and discarded bytes from the kept bytes at the end of a stream, and reset the parser."""
+        """Return the frames and discarded bytes from the kept bytes at the end of a stream, and reset the parser."""
         found, self._held = _search(self._held, ended=True)
         return found
 
 
 def parse_datagram(datagram: bytes) -> list[Frame | DiscardedBytes]:
-    """Return frames and discarded bytes of a datagram. A datagram contains only complete frames."""
+    """Return the frames and discarded bytes of a datagram. A datagram contains only complete frames."""
     return _search(datagram, ended=True)[0]
 
 

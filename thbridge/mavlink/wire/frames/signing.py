@@ -227,7 +227,7 @@ class Signing:
 
 
 def _sealed(frame: Frame) -> bytes:
-    """Return header, payload and checksum of a frame, as received."""
+    """Return the header, payload and checksum of a frame, as received."""
     return replace(frame, signature=b"").to_bytes()
 
 

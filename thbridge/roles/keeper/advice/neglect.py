@@ -50,7 +50,7 @@ def neglected(state: GameState, attended: Mapping[int, int], tick: int, timeout:
 def decide_about_treasure(state: GameState, robot: int, names: Collection[str]) -> AloneDecision | None:
     """Return a robot's decision about an undecided treasure in its present room, or None if it makes no decision.
 
-    The robot senses the treasure. If only one name fits, it names the treasure. All other decisions are for a person.
+    The robot senses the treasure, and names it if only one name fits. All other decisions are for a person.
 
     Args:
         state: state of the game.

@@ -97,7 +97,7 @@ class NameList(QListWidget):
         self.clear()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Move the focus out of the list by arrow keys; the window's shortcuts pick the names."""
+        """Move the focus out of the list with the arrow keys; the window's shortcuts pick the names."""
         if event.key() in focus.ARROWS:
             focus.move_focus(self, event.key())
         else:
