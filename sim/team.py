@@ -151,7 +151,7 @@ class Team:
         for parameters in robots:
             parts.check(parameters)
         if len(robots) != len(starts):
-            raise ValueError(f"{len(robots)} robots need as many start poses, not {len(starts)}")
+            raise ValueError(f"{len(robots)} robots need {len(robots)} start poses, not {len(starts)}")
         self._world = World(true_grid or grid, world, seed, charge)
         self._sensors = Sensors(true_grid or grid, world, seed, charge)
         self._parameters = list(robots)
