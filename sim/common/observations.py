@@ -99,7 +99,8 @@ class Claim(NamedTuple):
     """Priority of a robot that asks others to clear its path. The robot with the smaller claim goes first.
 
     Attributes:
-        since: tick at which the robot accepted its goal. The robot that has waited longest goes first, so none starves.
+        since: tick at which the robot accepted its goal. The robot that has waited longest goes first, so no robot
+            waits forever.
         robot: index of the robot in the team.
     """
 

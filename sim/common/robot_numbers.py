@@ -22,7 +22,7 @@ def index_of(number: int) -> int:
 
 
 def robot_numbers(robots: int) -> list[RobotNumber]:
-    """Return the numbers of a team of this size."""
+    """Return the numbers of the robots in a team of this size."""
     return [number_of(robot) for robot in range(robots)]
 
 

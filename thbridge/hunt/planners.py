@@ -58,8 +58,8 @@ def joint_tours(
 def searched_tours(
     costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
 ) -> tuple[Tour, ...]:
-    """Return good tours for any number of rooms. They are nearly always the best tours, without proof. See
-    `PlanTours`.
+    """Return good tours for any number of rooms. They are nearly always the best tours, but there is no
+    proof of this. See `PlanTours`.
     """
     return _sending(search_team_tours, costs, starts, unvisited, visit, sent)
 

@@ -31,14 +31,14 @@ class Room:
 
     @classmethod
     def of_wire(cls, number: int) -> "Room":
-        """Return the room with a number in the text protocol. Number 0 is room 1. Raises ValueError below 0."""
+        """Return the room with a number in the text protocol. Number 0 is room 1. Raises ValueError for numbers below 0."""
         if number < 0:
             raise ValueError(f"there is no room {number} in the text protocol: rooms have numbers from 0 there")
         return cls(number + 1)
 
     @property
     def is_corridor(self) -> bool:
-        """True for the corridor. Robots start in the corridor, and it has no treasure."""
+        """True for the corridor. Robots start in the corridor. It has no treasure."""
         return self.people == 0
 
     @property

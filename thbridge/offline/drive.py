@@ -155,7 +155,7 @@ class _Room:
         self.least = math.inf
 
     def enter(self, pose: FloatArray) -> None:
-        """Update the minimum by a pose of the body (x, y, theta)."""
+        """Update the minimum distance with a new pose of the body (x, y, theta)."""
         if self._walls is None:
             return
         nearest, _ = self._walls.query(pose[:2])

@@ -16,7 +16,7 @@ class Stamped(Protocol):
 
     @property
     def stamp_ns(self) -> int:
-        """Its own time stamp."""
+        """Time stamp that the object contains."""
 
     @property
     def received_ns(self) -> int:

@@ -418,7 +418,7 @@ def _moving_median(values: FloatArray) -> FloatArray:
 
 
 def _moved_by(correction: Pose2, poses: FloatArray) -> FloatArray:
-    """Return (n, 3) poses relative to the first origin. If it is also their own origin, return the same object."""
+    """Return (n, 3) poses relative to the first origin. Poses that have this origin are returned as the same object."""
     if correction == IDENTITY:
         return poses
     headings = [wrap_angle(correction.theta + theta) for theta in poses[:, 2].tolist()]

@@ -170,7 +170,7 @@ def has(software: RobotParameters, path: str) -> bool:
 
 
 def value_at(software: RobotParameters, path: str) -> "ParameterValue | None":
-    """Return the value of the parameter at a path, such as "amcl.min_particles". Return None if it is null."""
+    """Return the value of the parameter at a path, such as "amcl.min_particles". Return None for null."""
     section: object = software
     for name in path.split("."):
         section = cast(object, getattr(section, name))

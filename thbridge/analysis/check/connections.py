@@ -23,7 +23,7 @@ READERS = (BagTool.ROSBAG, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
 LIVE = (BagTool.ROSBAG, BagTool.RVIZ)
 """Tools that depend on live messages. rviz shows the messages that `rosbag play` publishes."""
 MAP_PERIOD = 5.0
-"""Longest period of a map that need not be latched, seconds."""
+"""A map that is published at least once in this period, seconds, need not be latched."""
 _PART = re.compile(r"^={40,}\r?\nMSG: *(\S+)\r?$", re.MULTILINE)
 
 

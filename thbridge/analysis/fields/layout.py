@@ -58,7 +58,7 @@ _DEEPEST = 40
 
 @dataclass(frozen=True, slots=True)
 class FieldStep:
-    """Field on the path to a value: the message type that has it, and its name."""
+    """Field on the path to a value: the message type that has the field, and the field's name."""
 
     msgtype: str
     field: str

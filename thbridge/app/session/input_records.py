@@ -122,7 +122,7 @@ def _json(value: object) -> str:
 
 
 def _fields(value: object) -> object:
-    """Return a dataclass as builtins. A goal is represented by the recorded number, which contains its owner."""
+    """Return a dataclass as a dict of plain values. A goal is represented by the recorded number, with its owner."""
     fields: dict[str, object] = msgspec.to_builtins(value, enc_hook=_plain)
     match value:
         case SendGoal(_, goal):

@@ -29,7 +29,7 @@ from thbridge.roles.shared.view import RefusalView
 
 
 class OpenGame:
-    """The open game in the keeper.
+    """The keeper's open game.
 
     Every change of the game is made by this class, and is an entry of the journal.
 

@@ -51,7 +51,7 @@ _log = logging.getLogger(__name__)
 
 
 class TrafficRecorder(Protocol):
-    """Recorder of messages from and to the robots. It must not raise."""
+    """Recorder of messages from and to the robots. It must not raise exceptions."""
 
     def received(self, topic: links.TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
         """Record a received message with its original bytes at this ROS time."""

@@ -76,10 +76,10 @@ class Subscription:
     Args:
         caller: this node's name.
         request: topic and type.
-        on_message: called with each message. It must not raise.
+        on_message: called with each message. It must not raise exceptions.
         client: client for calls to publishers.
         numbers: numbers of connections, unique within the node.
-        on_publisher: called with each publisher that accepts the subscription. It must not raise.
+        on_publisher: called with each publisher that accepts the subscription. It must not raise exceptions.
     """
 
     def __init__(

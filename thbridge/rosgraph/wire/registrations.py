@@ -15,7 +15,7 @@ MAX_NODES = 2048
 """Maximum number of nodes. Each node may need a socket here, because the master notifies nodes of changes of topics."""
 
 MAX_REGISTRATIONS = 32_768
-"""Maximum number of registrations. A graph of 1000 nodes and 5000 topics has about 20,000."""
+"""Maximum number of registrations. A graph of 1000 nodes and 5000 topics has about 20,000 registrations."""
 
 
 class ProviderKind(Enum):

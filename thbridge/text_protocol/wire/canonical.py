@@ -76,7 +76,7 @@ CanonicalValue: TypeAlias = PoseReport | PoseQuery | GotoPoint | MoveByHand
 
 
 def encode(value: CanonicalValue, sender: str, receiver: str) -> TextMessage:
-    """Return the message with a value.
+    """Return the message that contains a value.
 
     Raises:
         ValueError: a number is not finite.

@@ -31,7 +31,7 @@ _MAX_DIGITS = 9  # More digits may not fit into an int of Java.
 
 @dataclass(frozen=True, slots=True)
 class GotoRoom:
-    """Order of TabUI to send a robot to a room."""
+    """Order from TabUI to send a robot to a room."""
 
     robot: int
     room: int

@@ -118,7 +118,7 @@ def read_unmapped(path: Path, grid: OccupancyGrid) -> tuple[OccupancyGrid, tuple
 
 
 def corners_in(text: str) -> Polygon:
-    """Parse a footprint, such as "[[0.3, 0.2], [-0.3, 0.2], ...]". End the command if it is not a footprint."""
+    """Parse a footprint, such as "[[0.3, 0.2], [-0.3, 0.2], ...]". End the command if the text is not a footprint."""
     try:
         corners = tuple((float(x), float(y)) for x, y in json.loads(text))
     except (ValueError, TypeError):

@@ -40,7 +40,7 @@ _OF_KINDS: Mapping[str, frozenset[StepKind]] = {
     "when_leaving": frozenset({StepKind.DEBRIEF}),
     "max_seconds": frozenset({StepKind.PRACTICE, StepKind.TRIAL}),
 }
-"""Keys of steps that only some kinds of steps use."""
+"""Keys that only some kinds of steps use."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

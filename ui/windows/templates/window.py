@@ -495,7 +495,7 @@ def _is_of_steps(event: QKeyEvent) -> bool:
 
 
 def _replace_text(page: QPlainTextEdit, text: str) -> None:
-    """Write a text into a page, as one step for undo that changes only the part that differs."""
+    """Write a text into a page as a single undo step. Change only the part of the text that differs."""
     before = exact_text(page)
     if before == text:
         return
