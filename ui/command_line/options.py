@@ -61,7 +61,7 @@ OpenTo = Annotated[
     typer.Option(
         "--open-to",
         metavar="NETWORK",
-        help="Network, such as 10.0.0.0/24, from which machines may connect to servers that accept other machines; "
+        help="Network whose machines may connect to servers that listen on more than 127.0.0.1, such as 10.0.0.0/24; "
         "see `thbridge docs security`. Can be repeated.",
     ),
 ]
@@ -90,7 +90,7 @@ class ColourScheme(StrEnum):
 
 LookOption = Annotated[
     ColourScheme,
-    typer.Option("--look", help="Colors of windows. `system`: the colors chosen in a window; if none, the desktop's colors."),
+    typer.Option("--look", help="Colors of windows. `system`: those chosen in a window; if none, the desktop's."),
 ]
 
 
