@@ -31,7 +31,7 @@ class Room:
 
     @classmethod
     def of_wire(cls, number: int) -> "Room":
-        """Return the room with a number in the text protocol. Number 0 is room 1. Raises ValueError for numbers below 0."""
+        """Return the room for a number in the text protocol. Number 0 is room 1. Raises ValueError if negative."""
         if number < 0:
             raise ValueError(f"there is no room {number} in the text protocol: rooms have numbers from 0 there")
         return cls(number + 1)

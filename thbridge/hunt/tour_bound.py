@@ -2,9 +2,9 @@
 
 Two relaxed problems each give a bound; the greater bound is used. In the *assignment*, every room is entered from a
 different place, but the moves may form several tours. In the *1-tree* (Held and Karp, The traveling-salesman problem
-and minimum spanning trees, 1970 and 1971), a tree instead of a path connects the places. The price of a place increases if it has
-too many neighbors, and decreases if it has too few neighbors, until the tree is nearly a path. In the 1-tree, the cost
-of a move is the lower cost of its two directions.
+and minimum spanning trees, 1970 and 1971), a tree instead of a path connects the places. The price of a place increases
+if it has too many neighbors, and decreases if it has too few neighbors, until the tree is nearly a path. In the 1-tree,
+the cost of a move is the lower cost of its two directions.
 """
 
 from collections.abc import Collection

@@ -38,8 +38,8 @@ _AGAIN_SECONDS = 1.0
 """Seconds until the next attempt if the system cannot accept connections."""
 
 _MOST_ARRIVING = 256
-"""Maximum number of unfinished TLS handshakes at a socket. A further handshake replaces the oldest handshake. The number
-is much larger than `_AT_ONCE`, because an honest handshake needs several rounds."""
+"""Maximum number of unfinished TLS handshakes at a socket. A new handshake replaces the oldest handshake. The number is
+much larger than `_AT_ONCE`, because an honest handshake needs several rounds."""
 
 BACKLOG = 4096
 """Maximum number of connections that wait to be accepted. Further clients try again after a second, by TCP."""
