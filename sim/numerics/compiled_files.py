@@ -130,7 +130,7 @@ def _make_private(folder: Path) -> None:
 
 
 def _fault_of(folder: Path) -> str | None:
-    """Return the reason why another account could change a folder's content or a parent, or None if none could.
+    """Return the reason why another account could change a folder's content or a parent; None if this is impossible.
 
     As ssh and sudo require, all folders must belong to this account or to root. Others may write only where they cannot
     replace files of other accounts (the sticky bit of /tmp).

@@ -111,7 +111,7 @@ def status_of(root: Path) -> SweepStatus:
 
 
 def _is_running(journal: Path, ended: Container[int]) -> bool:
-    """Return True if a worker is playing a game of a chunk. Use the chunk's journal and this machine's processes."""
+    """Return True if a worker is playing a game of a chunk. Workers on other machines count as running."""
     begun = begun_game(journal)
     if begun is None or begun[1] in ended:
         return False

@@ -57,7 +57,7 @@ class WhereFacts:
         left: rooms that have not been visited.
         under_way: rooms to which other robots drive, or to which they have agreed to go.
         values: by room, the value for the team if this room is this robot's next room.
-        others: by room, costs of the other robots that the plan sends to this room first.
+        others: by room, move costs of those other robots that the plan sends to this room first.
         failed: rooms to which the robot was sent and that it did not reach, or to which it has no path.
         team_costs: costs of the other robots to rooms, by their indices.
         team_values: by the index of another robot and by room, the value for the team if this room is that robot's next

@@ -30,7 +30,7 @@ def questions(facts: WhereFacts | WhatFacts, evidence: Evidence, claim: Literal)
 
     Args:
         facts: the robot's facts.
-        evidence: evidence made of these facts.
+        evidence: evidence from these facts.
         claim: the literal that the dialogue is about.
     """
     decision = evidence.decision

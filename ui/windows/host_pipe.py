@@ -1,4 +1,4 @@
-"""Connection of a window to its host, the program that opened the window, by standard input and output."""
+"""Connection of a window to its host by standard input and output. The host is the program that opened the window."""
 
 import sys
 import threading

@@ -233,7 +233,10 @@ def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: 
 
 @njit(cache=True)
 def _gaps(body: FloatArray, bodies: FloatArray) -> FloatArray:
-    """Return (k,) distances from a polygon to k others, meters. All three outlines of a robot get their minimum."""
+    """Return (k,) distances from a polygon to k other polygons, meters.
+
+    The three outlines of a robot all get the smallest of their distances.
+    """
     out = np.empty(bodies.shape[0])
     for k in range(0, bodies.shape[0], 3):
         least = min(gap(body, bodies[k]), gap(body, bodies[k + 1]), gap(body, bodies[k + 2]))

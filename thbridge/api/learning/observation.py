@@ -223,7 +223,7 @@ class ObservationEncoder:
 
 
 class _GameNumbers(NamedTuple):
-    """Numbers of the game for one robot: its state (energy, readiness, destination), its destination, move costs."""
+    """Numbers of the game for one robot: its own state, the room to which it drives, and the costs of its moves."""
 
     own: list[float]
     bound_for: list[float]

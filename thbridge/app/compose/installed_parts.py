@@ -357,7 +357,7 @@ def _wrong_path(found: object, costs: Costs, frame: CostFrame, start: Pose2, goa
 
 
 NEAR_ROBOT = 0.5
-"""Distance from the robot up to which a path may touch obstacles, meters."""
+"""A path may touch obstacles within this distance of the robot, meters."""
 
 
 def _cost_at(costs: Costs, frame: CostFrame, place: Pose2) -> int | None:

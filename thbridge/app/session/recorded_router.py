@@ -45,7 +45,7 @@ class RecordedRouter:
         return self._noted(self._router.make_room(now))
 
     def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
-        """Open a connection. This and all following calls are only recorded as inputs if they have an effect."""
+        """Open a connection. This call and all later calls are recorded as inputs only if they have an effect."""
         connection = self._router.connect(now, credentials)
         if not isinstance(connection, TurnedAway):
             self._inputs.add(inputs.ConnectionOpened(connection, now, credentials))

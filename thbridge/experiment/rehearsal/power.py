@@ -235,9 +235,10 @@ def _p_value(
 
 
 def within_p_value(rows: FloatArray) -> float:
-    """Return the p-value of equal means of the columns of (people, levels), by Hotelling's test of the differences.
+    """Return the p-value of the hypothesis that all columns of (people, levels) have the same mean.
 
-    For two levels, this is the paired t-test. For more levels, the test does not require sphericity.
+    Hotelling's test is used on the differences. For two levels, this is the paired t-test. For more levels, the test
+    does not require sphericity.
 
     Source: Hotelling, The generalization of Student's ratio (1931).
     """
@@ -256,7 +257,9 @@ def within_p_value(rows: FloatArray) -> float:
 
 
 def between_p_value(groups: Sequence[FloatArray]) -> float:
-    """Return the p-value of equal means of groups: Welch's test for two groups, analysis of variance for more groups.
+    """Return the p-value of the hypothesis that all groups have the same mean.
+
+    The test is Welch's test for two groups, and the analysis of variance for more groups.
 
     Source: Welch, The generalization of Student's problem (1947).
     """

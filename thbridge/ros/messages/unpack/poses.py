@@ -8,7 +8,7 @@ from thbridge.ros.messages.cursor import Cursor
 
 
 def read_pose(cursor: Cursor) -> Pose2:
-    """Read a pose, seen from above. If its quaternion contains NaN, its yaw is NaN."""
+    """Read a pose in space as a pose in the plane. If its quaternion contains NaN, its yaw is NaN."""
     x, y, _, qx, qy, qz, qw = cursor.spatial_pose()
     yaw = elementary.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
     return Pose2(x, y, yaw if yaw < math.pi else -math.pi)

@@ -70,7 +70,7 @@ class NameList(QListWidget):
         self.setAccessibleDescription(said)
 
     def sizeHint(self) -> QSize:
-        """Return the size of three to eight names."""
+        """Return a size for all names, but at least for three names and at most for eight names."""
         return QSize(px(220), self._high * min(max(len(self._names), 3), 8) + 2 * GAP)
 
     def widest(self) -> int:
@@ -81,7 +81,7 @@ class NameList(QListWidget):
         return wide + bar + 4 * GAP - 4
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size of two names."""
+        """Return a size for two names."""
         return QSize(px(110), self._high * 2 + 2 * GAP)
 
     def showEvent(self, event: QShowEvent) -> None:

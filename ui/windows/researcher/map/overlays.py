@@ -120,8 +120,8 @@ class Things(MapItem):
 def _cost_colors() -> NDArray[np.uint8]:
     """Return (256, 4) red, green, blue and opacity for each cost that ROS publishes, read as an unsigned byte.
 
-    Source: rviz's costmap colors, which are blue to red from 1 to 98, cyan (99) for inscribed, magenta (100) for
-    lethal, gray-green (255) for unknown, and green and yellow for values without a meaning. Here, unlike in rviz, the
+    Source: the colors of costmaps in rviz. Costs from 1 to 98 are blue to red, inscribed (99) is cyan, lethal (100) is
+    magenta, unknown (255) is gray-green, and values without a meaning are green and yellow. Here, unlike in rviz, the
     colors are half transparent.
     """
     colors = np.zeros((256, 4), dtype=np.uint8)
