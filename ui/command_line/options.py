@@ -90,7 +90,11 @@ class ColourScheme(StrEnum):
 
 LookOption = Annotated[
     ColourScheme,
-    typer.Option("--look", help="Colors of windows. `system`: those chosen in a window; if none, the desktop's."),
+    typer.Option(
+        "--look",
+        help="Colors of windows. `system` means the colors that you chose in a window; "
+        "if you chose none, windows have the colors of the desktop.",
+    ),
 ]
 
 

@@ -29,7 +29,7 @@ def suggest(
     ] = None,
     planner: Annotated[
         TeamPlanner | None,
-        typer.Option(help="Method of distributing rooms among robots; `joint` gives the best plan.", show_default="joint"),
+        typer.Option(help="Method that divides rooms among robots; `joint` gives the best plan.", show_default="joint"),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
