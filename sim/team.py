@@ -400,7 +400,7 @@ class Team:
 
 
 def _check_live(robot: int, before: P, after: P) -> None:
-    """Raise ValueError if two sets of a robot's parameters differ where no change is allowed while it runs."""
+    """Raise ValueError if parameters of a robot differ that must not change while the robot runs."""
     fixed = fixed_differences(before, after)
     if fixed:
         raise ValueError(f"robot {robot}: these parameters cannot change while it runs: {', '.join(fixed)}")

@@ -50,7 +50,7 @@ def own_strategy(manner: Manner, _seed: int = 0, /) -> GameStrategy:
 def choose_by(
     factory: StrategyFactory, manner: Manner, seed: int, conversation: Conversation, number: int
 ) -> ChosenMove:
-    """Return the move that an installed strategy chooses in a dialogue, or, if it fails, the built-in strategy's move.
+    """Return the move that an installed strategy chooses in a dialogue. If it fails, the built-in strategy chooses.
 
     Args:
         factory: makes the installed strategy.

@@ -43,7 +43,7 @@ class CostMatrix:
         """Return the matrix for the numbers in a `mapTimes` file. The number 99 means that there is no move.
 
         Numbers above 99 are normal costs, for large maps. A cost of 99 is impossible, so write 98 or 100. There is
-        never a move from a place to itself; the number in the file does not matter.
+        never a move from a place to itself, so this number in the file is ignored.
 
         Raises:
             ValueError: the rows are not a valid matrix.

@@ -46,7 +46,7 @@ PLANNED_GAP = 0.16
 DRIVEN_GAP = 0.1
 """Minimum distance between these circles while robots follow the right of way, meters."""
 ROOM_TO_TURN = 0.08
-"""Minimum distance of the circumscribed circle from walls where a robot waits or makes a detour, meters."""
+"""Minimum distance between walls and the circumscribed circle of a robot that waits or makes a detour, meters."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -271,8 +271,8 @@ class KalmanLocalizer:
         """Correct the estimate by the pose at which the scan matches the map. Also return whether it was accepted.
 
         Innovations that are larger than expected increase `motion_noise_scales`, the factors of the motion's variances.
-        Smaller innovations decrease them. A match that is too far away is rejected. But each such match that fits
-        increases the covariance, so that after several similar matches the next match is accepted.
+        Smaller innovations decrease them. A match that is too far away is rejected. But if the scan fits there, the
+        match increases the covariance. So after several similar matches, the next match is accepted.
 
         Source: Mehra, On the identification of variances and adaptive Kalman filtering (1970), for learning the
             motion's noise from innovations. Here the running mean is of its logarithm, so that the variance cannot

@@ -266,7 +266,10 @@ def _arguments(defender: Agent, claim: Belief) -> tuple[Argument, ...]:
 
 
 def _with_parts(defender: Agent, argument: Argument) -> tuple[Belief, ...]:
-    """Return the support of an argument, and of one argument for each part of its conclusion, in order of beliefs."""
+    """Return the support of an argument, and the support of one argument for each part of its conclusion.
+
+    The order is that of the defender's beliefs.
+    """
     supports = set(argument.support)
     if isinstance(argument.conclusion, Literal) and len(parts := argument.conclusion.parts) > 1:
         for part in parts:

@@ -95,7 +95,7 @@ def clear_parts(path: Path) -> None:
 
 @contextmanager
 def new_folder(folder: Path, remedy: str = "choose another folder", *, empty: bool = False) -> Iterator[Path]:
-    """Yield a folder to fill; if the block ends without an error, its contents are in the folder of the given name.
+    """Yield a folder to fill. After a block without an error, the contents of this folder are in `folder`.
 
     Args:
         folder: final path of the folder; missing folders above it are created.

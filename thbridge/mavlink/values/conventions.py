@@ -4,8 +4,8 @@ COMMANDER = "COMMANDER"
 """Name of the NAMED_VALUE_INT that contains the commander. MAVLink's common messages have no field for it."""
 
 BY_PARTICIPANT, BY_OTHERS = 0, -1
-"""Values of `COMMANDER` if no station commands the robot: the participant does, or a person outside the game, such as
-a researcher."""
+"""Values of `COMMANDER` if no station commands the robot. The commander is the participant, or a person outside the
+game, for example a researcher."""
 
 ARRIVED = "Arrived."
 """STATUSTEXT of a robot that has reached its goal."""

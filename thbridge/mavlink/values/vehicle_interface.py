@@ -226,7 +226,7 @@ class VehicleInterface(Protocol):
     def go_to(self, target: Target) -> int | Denied:
         """Send the robot to a point of the map. This replaces the current leg.
 
-        A point in a room is a move of the game, and ends at the goal pose of that room.
+        If the point is in a room, the drive is a move of the game, and ends at the goal pose of that room.
 
         Returns:
             The number of the leg. `RobotReadings.leg` shows its result.

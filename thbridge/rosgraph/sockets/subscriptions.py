@@ -70,8 +70,9 @@ class SubscriptionRequest:
 class Subscription:
     """Subscription of a topic, with its publishers.
 
-    If the master no longer lists a publisher, its open connection remains, but it is not opened again. The reason is
-    that the list of a restarted master is empty at first, although publishers still send messages.
+    If the master no longer lists a publisher, the open connection to the publisher remains. But if this connection
+    ends, it is not opened again. The reason is that the list of a restarted master is empty at first, although
+    publishers still send messages.
 
     Args:
         caller: this node's name.

@@ -253,7 +253,7 @@ class KioskHost:
         self._conductor.tell_of_run(EventKind.RECRUITING_CODE, self._pages.person, {"code": code}, "participant")
 
     async def _show_repetition(self, run: Run) -> None:
-        """Inform a person who failed a check that the check is repeated; do nothing if it is not repeated."""
+        """If a failed check is repeated, inform the person about this. Otherwise, do nothing."""
         check = next((step for step in run.plan[run.step - 1 :] if step.number in run.attempts), None)
         if check is None or check.number in run.failed:
             return

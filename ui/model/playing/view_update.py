@@ -102,7 +102,7 @@ def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
     """Update all parts of the memory that depend on the view and on pending requests.
 
     The robot of the pop-up shown becomes the selected robot; otherwise two robots would look selected. If the map
-    follows a robot, it now follows this robot; otherwise the room of the pop-up could be out of sight. When the
+    follows a robot, it now follows the robot of the pop-up, so that the room of the pop-up stays in sight. When the
     participant has selected a robot that can be sent, pop-ups of other robots do not open automatically, because the
     participant's next choice of a room is meant for the selected robot.
     """

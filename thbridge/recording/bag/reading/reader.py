@@ -212,7 +212,7 @@ def _lacks(publisher: BagConnection) -> bool:
 def _named(
     publisher: BagConnection, data: bytes, known: dict[tuple[str | bool | None, ...], BagConnection]
 ) -> BagConnection:
-    """Return the publisher, with the known definition of its type's name if a message fits this definition."""
+    """Return the publisher. If a message fits the known definition of its type's name, use this definition."""
     better = by_name(publisher.msgtype, data)
     return publisher if better is None else _publisher(replace(publisher, **better._asdict()), known)
 

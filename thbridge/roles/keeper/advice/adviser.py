@@ -65,9 +65,9 @@ class Advice:
 class Adviser:
     """Adviser that computes the robots' suggestions, with the settings of the study.
 
-    Wrong advice is chosen by keyed noise of the game, the robot and the number of the advice. If wrong advice is
-    possible, reasons mention only the cost of the room. A comparison with other rooms would be false or would reveal
-    the error.
+    Wrong advice is chosen randomly. The random numbers depend on the game, the robot and the number of the advice. If
+    wrong advice is possible, reasons mention only the cost of the room. A comparison with other rooms would be false or
+    would reveal the error.
 
     Attributes:
         planner: planner that chooses the room.

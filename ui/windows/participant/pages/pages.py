@@ -232,7 +232,10 @@ class EndingPanel(TitledPanel):
         self.again.show_action(ending.again)
 
     def wanted(self, width: int, height: int) -> QSize:
-        """Return the size at which all lines fit, but at most the available space; the lines then scroll."""
+        """Return the size at which all lines fit, but at most the available space.
+
+        If the space is too small, the lines scroll.
+        """
         lines = max(self._lines.heightForWidth(width - 8 * GAP), self._area.minimumSizeHint().height())
         ways = sum(way.sizeHint().height() + self.rows.spacing() for way in self._ways)
         around = self.top.sizeHint().height() + ways + 8 * GAP
