@@ -198,7 +198,7 @@ class ArguingEngine:
             utterances = (*utterances, replace(utterance, authored=authored))
 
     def _chosen(self, dialogue: Dialogue, legal: tuple[Move, ...]) -> tuple[Move, str]:
-        """Return the robot's move, and the fault of the installed strategy if it failed to choose one."""
+        """Return the robot's move, and the fault of the installed strategy if it failed to choose a move."""
         conversation, play = dialogue.conversation, current_play(dialogue)
         if conversation is None or play is None or not isinstance(legal[0], DialogueMove):
             return legal[0], ""

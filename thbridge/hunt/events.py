@@ -113,7 +113,7 @@ class RoomAdvised(_Event, frozen=True, tag="advised"):
         room: the suggested room.
         advice: number of the robot's advice in this game, from 1. Older releases recorded repeated advice again.
         planned: the room that the robot's planner chose. A wizard may suggest another room.
-        `erred`: True if the robot suggested another room than planned, because the study includes wrong advice.
+        `erred`: True if the robot suggested a room other than `planned`, because the study includes wrong advice.
         confidence: confidence that the robot stated, 0 to 1, or None if it stated no confidence.
     """
 

@@ -4,7 +4,7 @@
 it also accepts events that programs of 2016 cause without the rules:
 
 - `RobotArrived` without a `RobotDeparted` moves the robot without a cost; `rules.arrive` adds the missing departure.
-- `RobotArrived` in another room than the destination ends the move in progress and its reservation.
+- `RobotArrived` in a room that is not the destination ends the move in progress and its reservation.
 - `MoveFailed` of a robot that is not moving changes its place without a refund; a refund never exceeds the paid price.
 - `TreasureSensed`, `PropertyMeasured`, `PropertyTold`, `TreasurePictured`, `TreasureIdentified` and `TreasureLeft` may
   be about rooms without an arrival of a robot; these rooms stay unvisited.

@@ -109,7 +109,7 @@ class ReconnectingClient(ABC):
         """Exchange messages until the connection ends. Return the reason."""
 
     async def _converse(self) -> ConnectionLost:
-        """Connect once, exchange messages until the connection ends, and return the reason of the end."""
+        """Connect once, exchange messages until the connection ends, and return the reason for the end."""
         try:
             async with asyncio.timeout(self._backoff.timeout):
                 reader, writer = await asyncio.open_connection(

@@ -296,7 +296,7 @@ def spread(
 
 @njit(cache=True)
 def _slope(potential: Potential, cell: int, cols: int) -> tuple[np.float32, np.float32]:
-    """Return the unit vector (x, y) of the steepest descent at a cell, or (0, 0) if it is level."""
+    """Return the unit vector (x, y) of the steepest descent at a cell, or (0, 0) if there is no slope."""
     here = potential[cell]
     dx = dy = np.float32(0.0)
     left, right, below, above = potential[cell - 1], potential[cell + 1], potential[cell - cols], potential[cell + cols]

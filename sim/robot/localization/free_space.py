@@ -46,7 +46,7 @@ def _poses(free: NDArray[np.uint32], cols: int, frame: GridFrame, drawn: FloatAr
 
 @njit(cache=True)
 def elsewhere(poses: FloatArray, x: float, y: float, theta: float) -> NDArray[np.bool_]:
-    """Return an (n,) mask of the (n, 3) poses that are at another place than (x, y, theta), see `ELSEWHERE`."""
+    """Return an (n,) mask of the (n, 3) poses that are not at the place of (x, y, theta), see `ELSEWHERE`."""
     out = np.empty(poses.shape[0], dtype=np.bool_)
     for i in range(poses.shape[0]):
         dx, dy = poses[i, 0] - x, poses[i, 1] - y

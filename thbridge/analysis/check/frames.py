@@ -33,7 +33,7 @@ SHOWN_TYPES = frozenset(
 )
 """Message types that tools show at a position in space."""
 FRAMELESS_TYPES = frozenset({"mavros_msgs/Mavlink"})
-"""Message types whose headers contain other names than frames, for example the name of a MAVLink link."""
+"""Message types whose headers contain names that are not frames, for example the name of a MAVLink link."""
 LATE_NS = 1_000_000_000
 """Longest normal time without transforms at the beginning of a recording."""
 

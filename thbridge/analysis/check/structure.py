@@ -56,7 +56,7 @@ def unreadable_bytes(bag: BagStructure) -> Iterator[Finding]:
 
 
 def header_padding(bag: BagStructure) -> Iterator[Finding]:
-    """Find bags whose first record has another length than in ROS. rosbag overwrites it and part of the first chunk."""
+    """Find bags whose first record does not have ROS's length. rosbag overwrites it and part of the first chunk."""
     if bag.header is not None and bag.header.length != HEADER_BYTES:
         problem = (
             f"the first record has {bag.header.length} bytes, but ROS 1 writes {HEADER_BYTES}: "

@@ -228,7 +228,7 @@ def _deviation(whole: Callable[[GatheredRows], Array], axis: int) -> Callable[[G
 
 
 def _yaw(index: int, run: FixedBlock, position: int) -> _NewColumn:
-    """Return the column of the yaw of a quaternion; its w is at a position of the block."""
+    """Return the column with the yaw of a quaternion. `position` is the position of the quaternion's w in the block."""
 
     def values(rows: GatheredRows) -> Values:
         table = rows.run(index, run)

@@ -31,7 +31,7 @@ def model_of(field: "dataclasses.Field[object] | None") -> str | None:
 
 
 def sections_named_in(section: type) -> str:
-    """Return the field of a class that lists the names of further sections, or an empty text if it has none."""
+    """Return the name of the field that lists further sections. It is empty if the class has no such field."""
     return cast(str, getattr(section, "sections_named_in", ""))
 
 

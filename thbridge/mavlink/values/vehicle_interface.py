@@ -81,7 +81,7 @@ class HelmLeg:
         number: number that `go_to` returned.
         state: "under way", "arrived" or "failed". A state "arrived" or "failed" remains until the next leg.
         remaining: meters left to drive. 0 after the end of the leg.
-        reason: reason of a failure, for people.
+        reason: reason for a failure, for people.
     """
 
     number: int

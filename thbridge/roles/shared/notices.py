@@ -56,7 +56,7 @@ class Orders(NoticeValue, frozen=True, tag="Orders"):
         energy: one entry per robot.
         at: present room of each robot, from 1, or 0 for the corridor. For a moving robot, the start of its move.
         poses: last known x, y, theta of every robot, for a SimR that was restarted during a game.
-        taken: robots with another commander than the participant. Text lines of 2016 have no effect on them.
+        taken: robots with a commander other than the participant. Text lines of 2016 have no effect on them.
     """
 
     game: int

@@ -188,7 +188,7 @@ CommandRequest = (
 """A request of a ground station to the game. It takes effect in the next tick. Refused requests are dropped."""
 
 GameRequest = WizardRequest | CommandRequest
-"""A request to the game from another party than the participant."""
+"""A request to the game from a party other than the participant."""
 
 RobotRequest = TeamInput | GraphRequest | SetParameters
 """A request to a robot. It takes effect in the next tick. It delays a move of the game, but does not end the move."""

@@ -33,7 +33,7 @@ _REASONS: tuple[tuple[str, NoPathReason], ...] = (
     ("valid control", "blocked_by_obstacle"),
     ("oscillating", "stuck"),
 )
-"""Reasons of failures, by words in the texts of move_base's results."""
+"""Reasons for failures, by words in the texts of move_base's results."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -166,7 +166,7 @@ async def serve(
     Args:
         host: see `MasterServer`.
         port: see `MasterServer`.
-        ready: called with the address, or with the reason of a failure.
+        ready: called with the address, or with the reason for a failure.
         admission: decides by address which callers are accepted.
     """
     master = MasterServer(host, port, admission=admission)

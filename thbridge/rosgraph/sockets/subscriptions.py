@@ -175,7 +175,7 @@ class Subscription:
         return await listener.ended
 
     async def _connect(self, uri: str, listener: _Listener) -> LinkEnded | None:
-        """Connect to a publisher and wait for its header. Return the reason of a failure, or None."""
+        """Connect to a publisher and wait for its header. Return the reason for a failure, or None."""
         # In ROS, a subscriber lists the transports that it supports, and the publisher selects one.
         reply = await self._client.call(uri, "requestTopic", self._caller, self.request.topic, [[TRANSPORT]])
         offered = value_of(uri, reply)

@@ -64,11 +64,11 @@ class Sheet(ABC):
 
     @abstractmethod
     def cell_of(self, fault: BadFile) -> tuple[int, int] | None:
-        """Return the row and column of the cell that has a fault; None if no cell has it."""
+        """Return the row and column of the cell with this fault; None if no cell has this fault."""
 
 
 def free_name(name: str, taken: Collection[str]) -> str:
-    """Return `name`, or, if it is taken, `name` with a number; an underscore or a space separates the two."""
+    """Return `name`. If `name` is taken, add a number after an underscore or a space."""
     if name not in taken:
         return name
     joint = "_" if (name.islower() and "_" in name) or name == "property" else " "

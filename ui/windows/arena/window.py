@@ -70,7 +70,7 @@ class ArenaWindow(QMainWindow):
         name: name of the map.
         grid: cells of the map.
         arena: rooms and start poses to start with.
-        write: function that writes the arena. It returns the reason of a failure, or None.
+        write: function that writes the arena. It returns the reason for a failure, or None.
         is_saved: True if `arena` is already saved in a file.
         left_out: (rows, cols) True for cells of removed lines, which the window shows. None if no lines were removed.
     """

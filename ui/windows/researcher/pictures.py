@@ -72,7 +72,7 @@ class VideoWriter(QObject):
 
     Signals:
         progressed: more frames were written; with the completed share, 0 to 1.
-        ended: the video was saved or saving failed; with the reason of a failure, or an empty text.
+        ended: the video was saved or saving failed; with the reason for a failure, or an empty text.
     """
 
     progressed = Signal(float)

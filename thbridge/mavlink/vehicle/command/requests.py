@@ -81,7 +81,7 @@ class CommandReply:
     Attributes:
         result: result in the acknowledgement.
         messages: messages to the sender of the command, sent after the acknowledgement.
-        sentence: reason of a refusal, for people.
+        sentence: reason for a refusal, for people.
         leg: number of the drive that the command has started. The command ends with this drive. If None, the command
             ends at once.
     """

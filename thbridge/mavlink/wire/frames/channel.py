@@ -35,7 +35,7 @@ class Channel:
     Attributes:
         counts: counts of the data received so far.
         bytes_since_good: number of bytes received since the last valid frame.
-        last_fault: reason of the latest rejection. Empty if nothing was rejected.
+        last_fault: reason for the latest rejection. Empty if nothing was rejected.
     """
 
     def __init__(self, signing: Signing | None, *, datagrams: bool) -> None:

@@ -41,7 +41,7 @@ class Advice:
         reason: reason as part of a sentence, such as "no other room costs me less".
         number: number of the robot's advice in this game, from 1.
         planned: the room that the planner chose.
-        erred: True if the robot suggests another room than planned.
+        erred: True if the robot suggests a room other than the planned room.
         confidence: confidence that the robot states, 0 to 1, or None if it states no confidence.
     """
 

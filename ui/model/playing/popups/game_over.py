@@ -33,7 +33,7 @@ def game_over_page(hunt: HuntMemory, once: bool) -> GameOverPage:
 
 
 def _end(texts: Texts, reason: str) -> str:
-    """Return the reason why the game is over; a general sentence replaces unknown reasons of later releases."""
+    """Return the reason why the game is over. A general sentence replaces reasons that only later releases know."""
     key = f"game_over.{reason.replace('-', '_')}"
     return texts.text(key if texts.has(key) else "game_over.unknown")
 
