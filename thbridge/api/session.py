@@ -210,7 +210,7 @@ class HuntSession:
                 return False
 
     def play(self, at_most: float = AN_HOUR) -> bool:
-        """Run to half a second after the end of the game, as `thbridge play` does; return True if the game is over.
+        """Run until half a second after the end of the game, as `thbridge play` does; return True if the game is over.
 
         Args:
             at_most: limit in simulated seconds.

@@ -27,7 +27,7 @@ from thbridge.files.disk.synced import sync_folder
 from thbridge.files.errors import BadFile, reason_of
 
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
-"""Pattern of participants' ids, for names of folders that may be ids."""
+"""Pattern of participants' ids. A folder with a matching name may belong to a participant."""
 
 
 class NobodyWithdraws(Exception):  # noqa: N818 - people read it as a sentence

@@ -249,7 +249,7 @@ def _cores(clearance: FloatArray, resolution: float, inscribed: float, options: 
 def _above(clearance: FloatArray, level: float, resolution: float) -> tuple[Labels, FloatArray, FloatArray]:
     """Return the labels of connected floor above a clearance.
 
-    Also return, for each label, the floor's area after an extension by this distance, and its maximum clearance.
+    Also return two values for each label: the area of the floor, extended by `level`, and the maximum clearance.
     """
     above, count = label(clearance > level)
     labels: Labels = np.asarray(above, dtype=np.int32)

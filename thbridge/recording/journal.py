@@ -186,7 +186,7 @@ class Journal:
         return journal, recovered
 
     def append(self, events: Sequence[JournalEntry]) -> None:
-        """Write events, in order; they are on the disk when this returns.
+        """Write events, in order. The events are on the disk when the function returns.
 
         Raises:
             BadFile: the disk is full or unavailable. Lines that were written are then removed again if possible.

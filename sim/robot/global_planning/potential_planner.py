@@ -1,10 +1,10 @@
 """Global planner that spreads a potential from the robot, and follows the potential's slope down from the goal.
 
 Source: ros-planning/navigation, navfn/src/navfn_ros.cpp, global_planner/src/planner_core.cpp.
-Differences from ROS: a start in a lethal cell is refused, while ROS clears the cell. A path to a goal that can be
-reached ends exactly there even with a tolerance, while navfn ends at a point of a raster around the goal. Positions
-refer to the cells' centers, while navfn's paths are shifted by half a cell toward the origin. The costmap is not
-changed.
+Differences from ROS: a start in a lethal cell is refused, while ROS clears the cell. A path to a
+reachable goal ends exactly at the goal, even with a tolerance, while navfn's path ends at a raster point near the goal.
+Positions refer to the cells' centers, while navfn's paths are shifted by half a cell toward the origin. The costmap is
+not changed.
 """
 
 import math
@@ -91,7 +91,7 @@ class PotentialPlanner:
         return space.potential.reshape(rows, cols).copy()
 
     def descend(self, potential: Potential, frame: CostFrame, place: Pose2, start: Pose2) -> FloatArray | None:
-        """Return (m, 2) points from a reached place down to the start of a `potential`, meters, otherwise None."""
+        """Return (m, 2) points from a reached place down to the start of a `potential`, meters; None for other places."""
         rows, cols = potential.shape
         (x, y), (end_x, end_y) = _position(frame, place), _position(frame, start)
         if not (0 <= round(y) < rows and 0 <= round(x) < cols) or potential[round(y), round(x)] >= UNREACHED:

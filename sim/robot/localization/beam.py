@@ -149,8 +149,8 @@ class BeamModel:
         """Return (n,) log likelihoods of (m,) ranges (see `Beams.ranges`) from (n, 3) base poses in the map.
 
         Source: Probabilistic Robotics, table 6.1, with amcl's factors (the density of good readings is not normalized)
-            and exact ranges. Differences from the source: amcl adds cubes instead of logarithms. Here the reading of a
-            beam that saw nothing is the maximum range and not impossible, and readings that are too short are ignored.
+            and exact ranges. Differences from the source: amcl adds cubes instead of logarithms. Here a beam that
+            saw nothing is possible, and has the maximum range as its reading. Readings that are too short are ignored.
         """
         p = self.parameters
         return _sums(

@@ -45,7 +45,7 @@ class RotatedMap:
         ]
 
     def poses_in_map(self, in_grid: FloatArray) -> FloatArray:
-        """Convert (m, 3) poses from the grid's frame to the map's."""
+        """Convert (m, 3) poses from the grid's frame to the map's frame."""
         if not self._turned:
             return in_grid
         out = in_grid.copy()

@@ -16,7 +16,7 @@ _STARTED = kind_of(GameStarted)
 class GameStart:
     """Beginning of a game: its number, and the stamp, nanoseconds.
 
-    Robots are reset in the tick after the beginning. So poses with this stamp belong to the time before; only events,
+    Robots are reset in the tick after the beginning. So poses with this stamp are from before the game; only events,
     score and utterances belong to the game.
     """
 

@@ -68,8 +68,8 @@ class RecordedRouter:
     def admits(self, connection: ConnectionId) -> bool:
         """Return True if a connection may send another line before the next tick.
 
-        Lines are stored in memory until the next tick, which can be long after during a pause. Lines are also recorded.
-        So the number of lines is limited. A few lines are always accepted from each program, even if other programs
+        Lines are stored in memory until the next tick. A pause can make this time long. Lines are also recorded. So the
+        number of lines is limited. A few lines are always accepted from each program, even if other programs
         send many lines.
         """
         said = self._said.get(connection, 0)

@@ -251,8 +251,8 @@ A key has two flags: True if the wording begins a sentence, and True if a capita
 def reasons(support: Iterable[Belief], conclusion: Belief) -> list[Belief]:
     """Return the beliefs on which an argument rests, in the order of the sentence.
 
-    The beliefs follow the list of predicates, rules last. Among beliefs of one predicate, the conclusion's room comes
-    first.
+    Predicates have the order of the list of predicates, and rules come last. Among beliefs of one predicate, beliefs
+    about the conclusion's room come first.
     """
     follows = conclusion.conclusion if isinstance(conclusion, Rule) else conclusion
     room: Room | None = getattr(follows.parts[0].proposition, "room", None)

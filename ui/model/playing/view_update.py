@@ -225,7 +225,7 @@ def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, fo
 
 
 def _receive_left(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureItem, left: bool, now: float) -> None:
-    """Explain how the participant can return to a treasure that they left. If they have returned to it, show it."""
+    """If the treasure was left, explain how the participant can return to it. Otherwise show the treasure."""
     if left:
         memory.note = Note(hunt.texts.text("history.left_for_now", room=item.room, robot=item.robot), now + NOTE)
         memory.history.announce(hunt.texts.text("history.can_take_up", robot=item.robot))

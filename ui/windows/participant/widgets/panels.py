@@ -119,7 +119,7 @@ class TitledPanel(QFrame):
         self._scrolling.ensureWidgetVisible(part, 0, GAP)
 
     def least(self, width: int) -> int:
-        """Return the smallest height at a width, logical pixels. If there is less height, the content scrolls."""
+        """Return the smallest height at a width, logical pixels. If the height is smaller, the content scrolls."""
         around = self.edges()
         foot = least_height(self.foot, width - around.width()) if self.foot.count() else 0
         return least_height(self.rows, width - around.width()) + foot + around.height()
