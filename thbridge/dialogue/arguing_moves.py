@@ -158,7 +158,7 @@ class PossibleMoves:
     def opening(
         self, dialogue: Dialogue, side: Side, game: str, topic: Literal | None, parent: int | None = None
     ) -> Opening | None:
-        """Return the opening of a game by a side about a topic; None if the side cannot open it."""
+        """Return the move by which a side opens a game about a topic; None if the side cannot open the game."""
         conversation = dialogue.conversation
         if topic is None or conversation is None:
             return None

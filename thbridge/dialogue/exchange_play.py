@@ -1,4 +1,4 @@
-"""Playing of an exchange of an example: the possible acts of a side, and programs that follow its course."""
+"""Play of one exchange of an example: the possible acts of a side, and programs that follow the exchange's course."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

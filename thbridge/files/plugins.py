@@ -111,7 +111,7 @@ def names_in(group: str) -> tuple[str, ...]:
 
 
 def package_of(key: str) -> str | None:
-    """Return the package and version of a plug-in by its key, or None if there is none, or the key is invalid."""
+    """Return the package and version of the plug-in with this key; None if there is no such plug-in."""
     group, _, name = key.partition(":")
     found = [*entry_points(group=group, name=name)] if name else []
     return _package(found[-1]) if found else None

@@ -1,4 +1,4 @@
-"""Person who takes part in the terminal: the lines on the terminal, and the commands that the person can type."""
+"""Person who takes part at a terminal: the printed lines, and the commands that the person can type."""
 
 import unicodedata
 from collections.abc import Callable, Sequence

@@ -270,8 +270,8 @@ class CloudFilter:
 
         The last scan was explained as well as usual, but this scan is not. So the odometry between them may be wrong:
         it was reset, or its error exceeds the spread of the particles. Return None if no pose explains the scan clearly
-        better than now and as well as usual. In this case the scan itself may be misleading, or the robot was
-        kidnapped.
+        better than the present pose and as well as usual. In this case the scan itself may be misleading, or the robot
+        was kidnapped.
 
         The factors of the odometry noise do not change. If they grew with every such scan, the cloud would soon be too
         wide for scans that are a meter apart.

@@ -194,7 +194,7 @@ def _walls(
     """Estimate from one scan the position errors of the map's walls, and their effect on the pose.
 
     Neighboring points of a wall share its error. The fitted pose absorbs part of such errors, so only the remaining
-    distances show them: the mean distance of each wall's points, beyond what their own noise explains.
+    distances show them: the part of a wall's mean distance that the noise of its points does not explain.
 
     Returns:
         (3, 3) covariance of the pose if the walls' positions had a standard deviation of one meter. The sum of squared

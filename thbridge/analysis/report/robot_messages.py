@@ -81,5 +81,5 @@ class RobotMessages:
 
 
 def _action(topic: str) -> str:
-    """Return the name of the action of a topic of goals or results, with a slash at its end."""
+    """Return the name of the action that a topic of goals or results belongs to, with a slash at the end."""
     return topic.rpartition("/")[0] + "/"

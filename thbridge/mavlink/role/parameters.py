@@ -2,7 +2,7 @@
 
 MAVLink sends 32-bit floats. The sent number is the 32-bit float nearest to the current value. A received number means
 the shortest decimal that has the same 32-bit float. If the current value already has this 32-bit float, the parameter
-does not change. So 0.1 remains 0.1, even if ground stations send back many times the values that they have read.
+does not change. So 0.1 remains 0.1, even if ground stations read values and send them back many times.
 """
 
 import math

@@ -27,7 +27,7 @@ from sim.robot.global_planning.wave import UNREACHED
 from thbridge.files.disk.mapped_arrays import mapped
 
 AT_GOAL = 1.0
-"""Distance from a room's goal up to which the room's row in the matrix applies, in meters."""
+"""The matrix row of a room applies to robots that are at most this far from the room's goal, in meters."""
 
 _NEAR = 0.5
 """Largest distance to the nearest place with a path, in meters. It is used for estimated positions inside a wall."""

@@ -317,7 +317,10 @@ def _ask_advice(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None
 
 
 def _ask_to_go(memory: ParticipantMemory, hunt: HuntMemory, request: SelectRoom | RequestSuggestion) -> None:
-    """Ask a robot to go. If the treasure in its room is not named yet, ask the participant for confirmation first."""
+    """Ask a robot to go to a room, or to suggest a room.
+
+    If the treasure in the robot's present room is not named yet, ask the participant for confirmation first.
+    """
     view, robot = hunt.view, request.robot
     room = undecided_beside(hunt.known, robot)
     if room is not None and view.room(room).found and why_not_name(hunt.texts, hunt.known, robot, room) is None:

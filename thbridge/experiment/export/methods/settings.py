@@ -20,7 +20,7 @@ Seeds have their own sentence in the text. The other prefixes concern the networ
 
 
 def settings_that_differ(design: ExperimentDesign) -> Iterator[tuple[str, str, str]]:
-    """Yield the key, default and value of each setting that is not the default, or all values if they vary."""
+    """Yield the key, default and value of each setting that differs from the default. If values vary, list them all."""
     default = _flat(Study())
     found = [_flat(study) for cell in design.cells for study in cell.studies]
     for key in dict.fromkeys(key for settings in (default, *found) for key in settings):

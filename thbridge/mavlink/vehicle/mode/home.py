@@ -1,8 +1,8 @@
 """Home position of a robot. It is the start pose until a ground station sets another position.
 
 Source: MAVLink's `common.xml`, MAV_CMD_DO_SET_HOME, SET_HOME_POSITION and HOME_POSITION.
-Differences from the source: if the robot cannot stand at a new home position, the position is refused at once, not at
-the return to it.
+Differences from the source: if the robot cannot stand at a new home position, the position is refused at once, not
+when the robot returns to it.
 """
 
 import math

@@ -160,7 +160,7 @@ class BagIndex:
         self._reader.close()
 
     def last(self, topic: str, at_ns: int) -> MessageLocation | None:
-        """Return the location of the last message of a topic up to and including a time, or None."""
+        """Return the location of the last message of a topic at or before a time, or None."""
         best: MessageLocation | None = None
         topic_chunks = self._chunks_of(topic)
         # Chunks may overlap in time: a message in an earlier chunk can be later than the best message so far. The
