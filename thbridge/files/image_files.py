@@ -120,7 +120,7 @@ def _truncated(path: Path, width: int, height: int, found: str) -> BadFile:
 
 
 _HEADER_NUMBERS = {b"P2": 3, b"P4": 2, b"P5": 3, b"P6": 3}
-"""Amount of numbers in each kind of header: width, height, and the largest value (not for black and white)."""
+"""Count of numbers in each kind of header: width, height, and the largest value (not for black and white)."""
 _COMMENT = re.compile(rb"#[^\r\n]*")
 _LINE_END = re.compile(rb"[\r\n]")
 

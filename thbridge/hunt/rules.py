@@ -457,7 +457,7 @@ def _standing_robot(state: GameState, room: Room) -> int | RequestRefused:
 
 
 def _present(state: GameState, room: Room, who: Callable[[Room], int | None]) -> int | RequestRefused:
-    """Return the index of the robot for an action in a room, or a refusal if no robot is there or responds."""
+    """Return the index of the robot for an action in a room, or a refusal if no robot responds there."""
     refused = _over(state) or _no_room(state, room)
     if refused:
         return refused

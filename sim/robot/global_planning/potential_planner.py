@@ -91,7 +91,7 @@ class PotentialPlanner:
         return space.potential.reshape(rows, cols).copy()
 
     def descend(self, potential: Potential, frame: CostFrame, place: Pose2, start: Pose2) -> FloatArray | None:
-        """Return (m, 2) points from a place down to the start of a `potential`, meters; None if it is not reached."""
+        """Return (m, 2) points from a place down to the start of a `potential`, meters; None for an unreached place."""
         rows, cols = potential.shape
         (x, y), (end_x, end_y) = _position(frame, place), _position(frame, start)
         if not (0 <= round(y) < rows and 0 <= round(x) < cols) or potential[round(y), round(x)] >= UNREACHED:
