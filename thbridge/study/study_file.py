@@ -69,8 +69,8 @@ class GameSection:
     costs: Path | None = param(
         None,
         "path of a mapTimes file (travel costs), or name of a template set with such a file (`original-2016`); if "
-        "null, the templates' file if their `set.yaml` names the map; otherwise the map's file; if the map has none, "
-        "the templates' file",
+        "null, the map's file; the templates' file is used instead if its `set.yaml` names the map, or if the map has "
+        "no file",
     )
     cost_model: CostModel | None = param(
         None,
@@ -267,8 +267,8 @@ class RecordingSection:
     )
     detail: RecordingDetail = param(
         RecordingDetail.CHANGES,
-        "costmaps in the bag: changes: every changed costmap, and an unchanged costmap every 10 s; all: every costmap; "
-        "all other messages are always recorded",
+        "costmaps that the bag contains; changes: every changed costmap, and an unchanged costmap every 10 s; all: "
+        "every costmap; all other messages are always recorded",
     )
     definitions: DefinitionTexts = param(
         DefinitionTexts.OWN,
