@@ -1,8 +1,8 @@
 """A team of robots in one world, and the order of events within a tick.
 
-In each tick, the world moves by the commands of the previous tick. Then all sensors read this world, and each robot
-estimates, plans and chooses a command. Robots receive broadcasts of others one tick later, so the order in which robots
-are stepped has no effect.
+In each tick, the world moves according to the commands of the previous tick. Then all sensors read this world, and each
+robot estimates, plans and chooses a command. Robots receive broadcasts of others one tick later, so the order in which
+robots are stepped has no effect.
 """
 
 from bisect import bisect_left

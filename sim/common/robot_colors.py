@@ -16,5 +16,5 @@ ROBOT_COLORS = (
 
 
 def robot_color(index: int) -> str:
-    """Return the color of a robot, by its index from 0. After the last color, the colors repeat."""
+    """Return the color of the robot with this index, from 0. After the last color, the colors repeat."""
     return ROBOT_COLORS[index % len(ROBOT_COLORS)]

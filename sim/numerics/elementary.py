@@ -1,7 +1,7 @@
 """Elementary functions that give the same bits on every machine: sin, cos, atan2, exp, log, hypot.
 
 The functions of libm and numpy are accurate, but their last bit differs between machines. They have several
-implementations, and the processor's features and the library's version decide which one runs. A robot's noise,
+implementations. The processor's features and the library's version decide which of them runs. A robot's noise,
 particles and plans depend on such bits. With libm or numpy, a session could be repeated only on the same kind of
 machine.
 

@@ -1,4 +1,4 @@
-"""Keys of source files. Compiled code is stored by these keys, so it always fits the present sources."""
+"""Keys of source files. Compiled code is stored under these keys, so it always fits the present sources."""
 
 import hashlib
 import re

@@ -45,7 +45,7 @@ def questions(facts: WhereFacts | WhatFacts, evidence: Evidence, claim: Literal)
 
 
 def explain(asked: Enquire, facts: WhereFacts | WhatFacts, evidence: Evidence) -> Explain:
-    """Return the answer to a question; without reasons if the robot has none."""
+    """Return the answer to a question. If the robot has no reasons, the answer contains none."""
     about, because = asked.about, tuple[Literal, ...]()
     match asked.question:
         case Question.WHY_THIS if about is not None:

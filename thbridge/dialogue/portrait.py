@@ -237,7 +237,7 @@ def _arguments(conversation: Conversation, beliefs: Beliefs) -> Iterable[Argumen
 
 
 def _about(conclusions: Iterable[Literal], issues: Iterable[Literal], beliefs: Beliefs) -> dict[Argument, None]:
-    """Return arguments for those conclusions that are issues, or opposed to an issue."""
+    """Return arguments for each conclusion that is an issue or is opposed to an issue."""
     at_issue = [*issues]
     wanted = [each for each in conclusions if each in at_issue or any(opposed(each, issue) for issue in at_issue)]
     return dict.fromkeys(argument for conclusion in wanted for argument in beliefs.arguments(conclusion))

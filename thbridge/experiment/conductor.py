@@ -30,7 +30,7 @@ LETTERS = "23456789ABCDEFGHJKMNPQRSTVWXYZ"
 """Letters and digits of ids and codes. Characters that look alike are not included."""
 
 Draw = Callable[[int], int]
-"""Function that returns a random whole number from 0 to one less than its argument."""
+"""Function that returns a random whole number from 0 to n - 1, where n is its argument."""
 
 
 class Conductor:

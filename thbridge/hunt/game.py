@@ -209,7 +209,7 @@ class GameState(msgspec.Struct, frozen=True):
         return known.finder if known.sensed is not None and not known.is_decided else None
 
     def costs_from(self, robot: int) -> tuple[float, ...]:
-        """Return the energy of a robot's moves from its present position, by the number of the goal for people.
+        """Return the energy of a robot's moves from its present position. The index is the goal's number for people.
 
         A cost is infinite if there is no move.
         """

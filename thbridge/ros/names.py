@@ -54,7 +54,7 @@ class RobotNames:
 
     @classmethod
     def of(cls, robot: int) -> "RobotNames":
-        """Return the names of a robot by its index in the team."""
+        """Return the names of the robot with this index in the team."""
         return cls(f"/{namespace_of(robot)}")
 
     def frame(self, name: str) -> str:

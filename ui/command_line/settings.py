@@ -42,7 +42,7 @@ def with_options(study: Study, changes: Mapping[str, object]) -> Study:
 
 
 def with_language(study: Study, language: str | None, file: Path | None) -> Study:
-    """Return the study in another language: a built-in language, or one from the study's folder of words.
+    """Return the study in another language: a built-in language, or a language of the study's folder of words.
 
     If `language` is None, return the study unchanged.
     """

@@ -224,13 +224,13 @@ def _waiting(view: View) -> DialogueView | None:
 
 
 def _letters(view: View) -> dict[str, int]:
-    """Return the choices of the first waiting dialogue by their letters; empty if the choices are numbered."""
+    """Return the index of each choice of the first waiting dialogue, by letter; empty if the choices are numbered."""
     dialogue = _waiting(view) if view.has_last_word is None else None
     return {} if dialogue is None else {letter: at for at, (letter, _) in enumerate(_lettered(dialogue))}
 
 
 def _lettered(dialogue: DialogueView) -> list[tuple[str, str]]:
-    """Return the choices of a dialogue by their letters; the window uses the same letters as keys."""
+    """Return the letter and the text of each choice of a dialogue. The window uses the same letters as keys."""
     keys = map(str.lower, choice_keys(dialogue.choices))
     return list(zip(keys, dialogue.choices, strict=True))
 

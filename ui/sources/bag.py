@@ -190,7 +190,7 @@ class BagSource:
         return {key: self._read(place) for key, place in held.items()}
 
     def _frame_places_in(self, topic: str, chunk: int) -> dict[bytes, list[MessageLocation]]:
-        """Return the positions of a tf topic's messages in a chunk, by their child frames."""
+        """Return the positions of a tf topic's messages in a chunk. The keys are the messages' child frames."""
         known = self._frame_places.get((topic, chunk))
         if known is None:
             known = {}

@@ -116,7 +116,7 @@ def astar(space: Workspace, start: int, target: int, neutral: float, quad: bool,
     """Fill the potential cell by cell until the target is reached. The cell with the cheapest estimated path is next.
 
     As in ROS, the potential of a cell is set only once, when the first neighbor reaches it. So the path is not always
-    the cheapest one, even if the estimate of the remaining cost (`neutral` for each step of the Manhattan distance) is
+    the cheapest path, even if the estimate of the remaining cost (`neutral` for each step of the Manhattan distance) is
     not too high.
 
     Args:

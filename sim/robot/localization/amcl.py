@@ -255,7 +255,7 @@ class Amcl:
         return ParticleBelief(odometry.tick, odometry.base_in_odom, place, anywhere=True, proven=False, lost=True)
 
     def _weigh(self, belief: ParticleBelief, odometry: Odometry, scan: Scan) -> ParticleBelief:
-        """Update the filter by a scan: move, weigh, compare with the rival, and resample if due."""
+        """Update the filter with a scan: move, weigh, compare with the rival, and resample if due."""
         view = self._clouds.view(scan, odometry.tick)
         # The first scan may arrive some ticks after the start. The motion until then is included.
         left, reached = belief.base_in_odom, odometry.base_in_odom

@@ -268,7 +268,7 @@ class KalmanLocalizer:
         self._turned = 0.0
 
     def _correct(self, state: TrackingState, scan: Scan) -> tuple[TrackingState, bool]:
-        """Correct the estimate by the pose at which the scan matches the map. Also return whether it was accepted.
+        """Correct the estimate with the pose at which the scan matches the map. Also return whether it was accepted.
 
         Innovations that are larger than expected increase `motion_noise_scales`, the factors of the motion's variances.
         Smaller innovations decrease them. A match that is too far away is rejected. But if the scan fits there, the

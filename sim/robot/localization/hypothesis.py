@@ -320,7 +320,7 @@ class CloudFilter:
         return bool((np.sqrt(summary.variances) <= levels).all())
 
     def _log_likelihood(self, particles: FloatArray, view: ScanView) -> FloatArray:
-        """Return (n,) log likelihoods of a scan at the particles, by the model in the parameters."""
+        """Return (n,) log likelihoods of a scan at the particles, from the model in the parameters."""
         parameters = self._parameters
         if parameters.laser_model_type == "beam":
             return self._beam_model.log_likelihood(particles, view.ranges)

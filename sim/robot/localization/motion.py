@@ -220,7 +220,7 @@ def _square_ratios(noise: FloatArray, before: FloatArray, after: FloatArray) -> 
 
 @dataclass(frozen=True, slots=True)
 class MotionModel:
-    """Model that moves particles by the odometry.
+    """Model that moves particles according to the odometry.
 
     Attributes:
         name: amcl's `odom_model_type`: diff, diff-corrected, omni or omni-corrected.

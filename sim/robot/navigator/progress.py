@@ -44,7 +44,7 @@ class GoalProgress:
         self.last_valid = tick
 
     def restart_patience(self, tick: int) -> None:
-        """Record that a plan exists, or that a recovery behavior may make one possible."""
+        """Record that a plan exists, or that a recovery behavior may make a plan possible."""
         self._planning_since, self._retries = tick, 0
 
     def note_others_arriving(self, tick: int) -> None:

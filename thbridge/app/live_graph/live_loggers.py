@@ -1,4 +1,4 @@
-"""Log levels of a session, by the services that every node of roscpp has (for rqt_logger_level and rosservice)."""
+"""Log levels of a session. Clients such as rqt_logger_level use the same services as for each node of roscpp."""
 
 import logging
 

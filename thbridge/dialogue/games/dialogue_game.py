@@ -92,7 +92,7 @@ class GamePlay:
         return self.questions_refusal and self.end is DialogueEnd.AGREEMENT and self.claim == self.topic
 
     def ended(self, end: DialogueEnd) -> "GamePlay":
-        """Return the dialogue after an end without a move; a questioned refusal then counts."""
+        """Return the dialogue after an end without a move. If a refusal was questioned, the refusal is the end."""
         return replace(self, end=self.put_off or end)
 
     def questioned(self) -> "GamePlay":

@@ -111,7 +111,7 @@ class PhraseWording:
     simply_no: tuple[str, ...] = ()
 
     def wordings(self, *, holds: bool, simply: bool) -> tuple[str, ...]:
-        """Return the wordings for one purpose; can be empty."""
+        """Return the wordings for one purpose. There may be none."""
         simple = self.simply_yes if holds else self.simply_no
         return (simply and simple) or (self.yes if holds else self.no)
 

@@ -239,7 +239,7 @@ def _of_answer_key(design: ExperimentDesign, entry: StepEntry, item: Item) -> It
 
 
 def _of_repetitions(design: ExperimentDesign) -> Iterator[BadFile]:
-    """Yield faults of checks whose repetition would include steps that count as data."""
+    """Yield faults of checks that may repeat steps, if these include steps that count as data."""
     # The order of the kinds of steps is the same at each place.
     plan, found = plan_of(design, Place(0, 0, 0)), dict[int, BadFile]()
     for check in plan:

@@ -41,7 +41,7 @@ def rehearse(
     """Rehearse an experiment in its folder, restarting the program after each simulated crash.
 
     Args:
-        folder: the folder for log and recordings, without a log.
+        folder: the folder for log and recordings. It contains no log yet.
         design: the experiment.
         people: properties of the simulated people.
         seed: random seed of all actions of people, and of the log's ids, codes and salts.

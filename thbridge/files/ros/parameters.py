@@ -338,7 +338,7 @@ class _Sorter:
         return Section(tree.line, whole)
 
     def homes(self, flat: list[Entry], by_node: bool) -> dict[str, list[Entry]]:
-        """Assign sections to parameters without one.
+        """Assign sections to parameters that have no section.
 
         Sections that have more of these parameters come first. Each parameter gets the first section that has it.
 

@@ -315,7 +315,7 @@ class _Reader:
     def named_sections(
         self, node: Section, listed: str, named: Mapping[str, "DataclassInstance | None"], into: type, key: str
     ) -> object:
-        """Return the sections with names listed in a text, or else the default sections with the written changes."""
+        """Return the sections that a text lists. If there is no text, return the default sections, as changed."""
         written = {name.text: child for name, child in node.entries}
         names = written.get(listed)
         place = f"{key}.{listed}" if key else listed

@@ -79,7 +79,7 @@ class MovesInProgress:
 
     @property
     def shares(self) -> dict[int, float]:
-        """Driven share of the path of each robot with a move in progress, by robot."""
+        """For each robot with a move in progress: driven share of its path."""
         return {robot: move.share() for robot, move in self._moves.items()}
 
     def restart(self) -> None:

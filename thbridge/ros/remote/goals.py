@@ -124,7 +124,7 @@ class MoveBaseClient:
         return 0 if self._current is None else self._current.sent_ns
 
     def goal(self, now_ns: int, here: Pose2) -> Goal | None:
-        """Return our current goal or that of another client. `here` is used if the goal's pose is unknown."""
+        """Return our current goal, or the goal of another client. `here` is used if the goal's pose is unknown."""
         if self._current is not None:
             return self._current.goal
         name = self._foreign_goal(now_ns)

@@ -22,7 +22,7 @@ _TIMEOUT = 10.0
 
 @dataclass(frozen=True, slots=True)
 class WatchConnected:
-    """Event: the client is connected to the session, whose earlier messages follow."""
+    """Event: the client is connected to the session. The session's earlier messages follow."""
 
 
 WatchEvent: TypeAlias = WatchConnected | SessionMessage | ConnectionLost

@@ -129,7 +129,7 @@ class StudyDraft:
         return False
 
     def add_key(self, group: FormGroup, name: str) -> str | RequestRefused:
-        """Return the text with one more key in a section whose keys a person can choose."""
+        """Return the text after adding a key to a section whose keys a person can choose."""
         return self._put(path_of((group.key, name)), "null")
 
     def move(self, item: FormGroup, by: int) -> str | RequestRefused:

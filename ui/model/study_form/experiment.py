@@ -57,7 +57,7 @@ class ExperimentDraft(StudyDraft):
         return group.key != "base"
 
     def add_key(self, group: FormGroup, name: str) -> str | RequestRefused:
-        """Return the text with one more key of a study file.
+        """Return the text after adding a key of a study file.
 
         If the key is a factor, the levels are all choices of the key. If the key has no choices, its
         default is the only level.

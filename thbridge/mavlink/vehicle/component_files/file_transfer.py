@@ -42,7 +42,7 @@ _IDLE = 10 * TICKS_PER_SECOND
 """Ticks after which another session may replace an unused session. Its station may have disappeared."""
 
 _MOST_REQUESTERS = 32
-"""Maximum number of requesters. The requester whose last request is oldest is forgotten first."""
+"""Maximum number of requesters. The requester that has been silent longest is forgotten first."""
 
 _ROOTS = ("", ".")
 
