@@ -34,7 +34,7 @@ DEVIATIONS = 10.0
 LEAST_ABOVE_USUAL = (2.0, 3.0)
 """Increase over the median speed that always counts as possible, m/s and rad/s, because a standing robot may start."""
 FASTEST = (50.0, 50.0)
-"""Speeds in m/s and rad/s that no robot exceeds, even if most surrounding values are wrong."""
+"""Speeds in m/s and rad/s that no robot exceeds. This limit also works if most surrounding values are wrong."""
 RETURN_NS = 1_000_000_000
 """Maximum duration of outliers. If odometry returns later, it does not count as a return from outliers."""
 LEAST_MESSAGES = 3
@@ -58,7 +58,7 @@ class FaultKind(StrEnum):
 
 
 class OdometrySample(NamedTuple):
-    """Odometry message: time of recording, its own time stamp, pose of the base in odom."""
+    """Odometry message: time of recording, time stamp in the message, pose of the base in odom."""
 
     received_ns: int
     stamp_ns: int

@@ -149,7 +149,10 @@ class _ClosedOutput(io.RawIOBase):
 
 
 def replace_closed_streams() -> None:
-    """Open closed standard streams, so that later files do not get their numbers and lost output is noticed."""
+    """Open standard streams that are closed.
+
+    Otherwise, later files would get the numbers of these streams, and lost output would not be noticed.
+    """
     while (free := os.open(os.devnull, os.O_RDWR)) <= _STANDARD_ERROR:
         os.set_inheritable(free, True)
     os.close(free)

@@ -1,8 +1,8 @@
 """Reading of YAML files into dataclasses; all faults of a file are reported together.
 
 A file is read in two steps: `parse` turns its text into a tree with line numbers, `load` turns the tree into a
-dataclass. The type of a dataclass's field decides how a plain word is read, not YAML's guesses. So `no` is text in a
-text field, and `1e3` is a number in a number field.
+dataclass. The type of the dataclass's field decides how a plain word is read. YAML's guesses have no effect. So `no` is
+text in a text field, and `1e3` is a number in a number field.
 """
 
 import dataclasses

@@ -36,7 +36,7 @@ from thbridge.roles.shared.view import Consent, DialogueMatter, DialogueView
 
 @dataclass(frozen=True, slots=True)
 class HeldTurn:
-    """A turn in a dialogue of a puppet. The turn waits for the person who speaks for the robot.
+    """A turn of a puppet, a robot for which a person speaks. The turn waits for this person.
 
     Attributes:
         dialogue: number of the dialogue.

@@ -26,7 +26,7 @@ UNDELIVERED = "undelivered"
 beginning) and `reason`."""
 
 REFUSED = "refused"
-"""Kind of the server's notice before it closes a connection because of its key. The field `reason` is a clause."""
+"""Kind of the notice before the server closes a connection because of the key. The field `reason` is a clause."""
 
 COUNTED = range(1, 1 << 32)
 """Valid numbers of games and dialogues. These numbers are also keys of random numbers. Other numbers come from faulty

@@ -31,7 +31,7 @@ def cards(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RobotCard, ...]:
 def moved_cards(
     hunt: HuntMemory, team: Sequence[RobotCard], motions: Sequence[RobotMotion], moved: Collection[int]
 ) -> tuple[RobotCard, ...]:
-    """Return the cards after a change of the motions of these robots only."""
+    """Return the cards after only the motions of these robots have changed."""
     return tuple(_moved_card(hunt, card, motions[card.robot]) if card.robot in moved else card for card in team)
 
 

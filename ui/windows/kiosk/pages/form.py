@@ -153,7 +153,7 @@ class FormPage(QWidget):
         return True
 
     def _stop_of(self, focused: QWidget | None, stops: Sequence[QWidget]) -> int:
-        """Return the index of the stop that belongs to the item with the focused widget; -1 if no item has the focus."""
+        """Return the index of the stop of the item that contains the focused widget; -1 if no item contains it."""
         panel = next((panel for panel in self.panels if focused is not None and panel.isAncestorOf(focused)), None)
         return -1 if panel is None else stops.index(panel.focus_target())
 
