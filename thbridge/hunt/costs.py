@@ -69,7 +69,7 @@ class CostMatrix:
         return place.people < len(self.rows)
 
     def cost(self, start: Room, goal: Room) -> float:
-        """Return the energy from `start` to `goal`; infinite if there is no move. Raise IndexError for unknown places."""
+        """Return the energy from `start` to `goal`; infinite if there is no move. Raise IndexError for other places."""
         return self.rows[start.people][goal.people]
 
     def __eq__(self, other: object) -> bool:

@@ -74,7 +74,7 @@ def obstacle(table: GameTable, position: TablePosition, reply: Reply, form_of: F
 
     Args:
         table: the game.
-        position: a position of it.
+        position: a position of the game.
         reply: a reply of the position's state.
         form_of: returns the forms of locutions.
     """

@@ -208,7 +208,7 @@ class RosFiles:
 
 
 def parse_ros_files(paths: Sequence[Path]) -> RosFiles:
-    """Read ROS files, each given by a path, or by the namespace for its contents and the path: `NAMESPACE:PATH`.
+    """Read ROS files. Each is given by a path, or by a namespace for its contents and a path: `NAMESPACE:PATH`.
 
     Raises:
         BadFile: a file cannot be read at all.
