@@ -17,7 +17,7 @@ StudyFile = Annotated[
     Path | None,
     typer.Argument(
         help="Study file (YAML; see `thbridge study init`), or a built-in study: `standard` or `original-2016`. "
-        "Options of this command override its keys."
+        "Options of this command override keys of the study."
     ),
 ]
 StudyOption = Annotated[Path | None, typer.Option("--study", help="Same as the argument `study_file`.", hidden=True)]

@@ -36,7 +36,7 @@ def bag_plot(
     ] = None,
     game: Annotated[
         int | None,
-        typer.Option(help="Game to plot, by number, if the bag has several games. Times count from the game's start."),
+        typer.Option(help="Number of the game to plot, if the bag has several games. Times start at 0 in each game."),
     ] = None,
     truth: Truth = None,
     estimate: Estimated = None,

@@ -273,7 +273,7 @@ def study_withdraw(
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask for confirmation (for scripts).")] = False,
     gone: Annotated[
         list[Path] | None,
-        typer.Option(help="Export or backup that no longer exists anywhere.", metavar="PATH"),
+        typer.Option(help="Export or backup that no longer exists, so that it is not searched.", metavar="PATH"),
     ] = None,
 ) -> None:
     """List the data of one participant, then delete it permanently from log, recordings, exports and backups."""
