@@ -54,7 +54,7 @@ _STRAIGHT_1, _STRAIGHT_2 = STRAIGHT_ANGLE
 _STEPS_PER_RADIAN = 64.0 / math.pi
 _STEPS_PER_EXPONENT = 128.0 / (_LOG_2_1 + _LOG_2_2)
 FARTHEST = 2.0**20 / _STEPS_PER_RADIAN
-"""Angle in radians below which Cody and Waite's reduction is exact."""
+"""Cody and Waite's reduction is exact for angles below this, radians."""
 
 _ROUNDING = 1.5 * 2.0**52
 """Number for rounding: adding and then subtracting it rounds to an integer, half to even."""

@@ -23,7 +23,7 @@ _MOST_ARGUMENTS = 10_000_000
 _LONGEST = 60
 """Maximum number of characters that a message quotes from a file."""
 _MOST_FAULTS = 20
-"""Number of faults after which reading stops, because the file probably has another format."""
+"""Reading stops after this number of faults, because the file probably has another format."""
 
 
 def read_framework(path: Path) -> ArgumentationFramework:

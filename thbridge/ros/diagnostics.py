@@ -16,7 +16,7 @@ from thbridge.ros.messages.records import CancelRequest, GoalRequest, LogLevel, 
 from thbridge.ros.names import CALLER, MAKES_WAY_FOR, NAVIGATION, RobotNames
 
 SPREAD = 0.5
-"""Standard deviation of the position in meters above which a robot counts as unsure."""
+"""A robot counts as unsure if the standard deviation of its position is above this, meters."""
 LOW_CHARGE = 0.2
 """If less than this fraction of the energy remains, there is a warning."""
 

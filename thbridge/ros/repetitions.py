@@ -6,7 +6,7 @@ from thbridge.ros.messages import types
 from thbridge.ros.topics import RosMessage, Topic
 
 REPEAT_NS = 10_000_000_000
-"""Time after which an unchanged costmap is recorded again. If a recording is played from its middle, a player gets each
+"""An unchanged costmap is recorded again after this time. If a recording is played from its middle, a player gets each
 costmap within this time."""
 
 _STAMP = 12

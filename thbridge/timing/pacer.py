@@ -11,7 +11,7 @@ from sim.common.observations import TICK
 _log = logging.getLogger(__name__)
 
 _BREATH = 25
-"""Number of ticks after which other tasks of the event loop run, if ticks run as fast as possible."""
+"""If ticks run as fast as possible, other tasks of the event loop run after this number of ticks."""
 
 _LAG = 1.0
 """Largest delay in seconds that later, faster ticks compensate. A larger delay becomes a permanent lag."""

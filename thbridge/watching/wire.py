@@ -22,7 +22,7 @@ STATUS = "/watch/status"
 MAGIC = b"#ROSBAG V2.0\n"
 
 MISTAKES = 20
-"""Number of successive refusals after which the server disconnects a watcher."""
+"""The server disconnects a watcher after this number of successive refusals."""
 
 _LARGEST = 64 * 2**20
 """Largest size of a record, in bytes. A costmap of 400 m by 400 m with cells of 5 cm is smaller."""

@@ -27,7 +27,7 @@ from ui.sources.experiment import ExperimentSource
 GATHERED = 0.2
 """Seconds for which events are collected before one update."""
 RENEWED = 20.0
-"""Seconds after which the state is sent again even without events, because the desk shows times in minutes."""
+"""After this number of seconds, the state is sent again even without events, as the desk shows times in minutes."""
 
 
 class DeskFailed(Exception):  # noqa: N818 - it is shown as a sentence

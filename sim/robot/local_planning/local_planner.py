@@ -25,7 +25,7 @@ TURN_IN_PLACE = 1.0
 """A robot turns in place if its angle to the path is above this, radians. Below TURNED it starts to drive."""
 TURNED = 0.3
 ALIGNED = 0.05
-"""After a turn to a heading that brings progress, a robot drives if its angle to this heading is below this, radians."""
+"""After a turn to a heading that brings progress, a robot drives if the remaining angle is below this, radians."""
 OUTLINE_SPACING = 0.1
 STALL_TIMEOUT = 3.0
 """A robot is stalled if it has not moved STALL_DISTANCE meters in this number of seconds of driving.

@@ -50,7 +50,7 @@ was found by a recent search, the second for a pose that was set or has been tra
 MOST_OF_ONE_SCAN = 0.25
 """Maximum effect of one scan for or against a rival, so that no single scan decides."""
 CHALLENGED = 0.15
-"""Lead of a rival above which the tracked pose is not reliable."""
+"""The tracked pose is not reliable if a rival's lead is above this."""
 WON = 1.0
 """Lead at which a rival replaces the tracked pose. A rival needs at least four scans to reach it."""
 DOUBT = 0.5

@@ -30,7 +30,7 @@ _LEAST_DEVIATION = 0.002
 _MOST_LEVERAGE = 0.9
 """Maximum leverage of a point. If a point determines the pose almost alone, its residual does not show its error."""
 _NEAR_A_SURFACE = 0.25
-"""Weight above which a point counts as being on a surface of the map."""
+"""A point counts as being on a surface of the map if its weight is above this."""
 _SAME_WALL = (0.95, 0.1)
 """Limits for neighboring points of one wall: minimum cosine between normals, maximum distance of planes, meters."""
 

@@ -98,7 +98,7 @@ class Costmaps:
 
     @property
     def explained_range(self) -> float:
-        """Distance from the laser beyond which robots are not needed to explain readings, meters."""
+        """Robots farther from the laser than this are not needed to explain readings, meters."""
         return max(self.global_costmap.obstacles.explained_range, self.local_costmap.obstacles.explained_range)
 
     def clear(self) -> None:

@@ -27,7 +27,7 @@ MOST_LOGGED = 100
 """Maximum number of different faults of a plug-in that are logged."""
 _NO_TREASURES = TreasureKnowledge((), {})
 PATIENCE = 2.0
-"""Seconds of wall time after which the log warns that a game waits for a plug-in."""
+"""If a game waits for a plug-in for this number of seconds of wall time, the log contains a warning."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,7 +42,7 @@ JUMP = 0.2
 """Distance in meters that a robot cannot drive in one tick. A robot that moves farther was kidnapped (by hand)."""
 
 STATE_PERIOD = TICKS_PER_SECOND
-"""Number of ticks after which an unchanged state of a vehicle is recorded again."""
+"""An unchanged state of a vehicle is recorded again after this number of ticks."""
 
 
 class TickPublisher(Protocol):

@@ -25,7 +25,7 @@ from thbridge.roles.shared.view import ParticipantRequest, View
 from thbridge.study.study_file import DialogueSection, Study
 
 LONGEST_GAME = 400 * TICKS_PER_SECOND
-"""Number of ticks after which a game counts as endless."""
+"""A game counts as endless after this number of ticks."""
 MOST_REFUSED = 10
 """Maximum number of refusals of the same request in a game."""
 _TEAMS = ((DialogueCondition.SCRIPT, 1, ()), *((condition, 3, (0,)) for condition in DialogueCondition))

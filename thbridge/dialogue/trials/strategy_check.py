@@ -23,7 +23,7 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.team_tour import PlanValue
 
 MOST_ACTS = 60
-"""Number of moves and openings after which a conversation is stopped."""
+"""A conversation is stopped after this number of moves and openings."""
 _ROOMS = tuple(map(Room, range(1, 9)))
 _NAMES = ("cup", "hat", "key", "vase")
 T = TypeVar("T")

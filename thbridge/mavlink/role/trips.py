@@ -21,8 +21,8 @@ from thbridge.roles.shared.robot_requests import Request, StationSend, StationSt
 from thbridge.ros.messages.goal_owners import GoalOwner
 
 RESPONSE_TIMEOUT = TICKS_PER_SECOND
-"""Ticks without observations after which a robot counts as silent. After this many ticks without a goal status, a goal
-fails."""
+"""After this many ticks without observations, a robot counts as silent. After this many ticks without a goal status, a
+goal fails."""
 
 
 class TripStage(Enum):

@@ -24,7 +24,7 @@ from thbridge.mavlink.wire.traffic import FrameOutcome, OutgoingFrame
 from thbridge.sockets.warn_once import WarnOnce
 
 GARBAGE_LIMIT = 16 * 1024
-"""Number of consecutive bytes without a valid frame after which a peer is disconnected (TCP) or ignored for a while."""
+"""After this number of consecutive bytes without a valid frame, a peer is disconnected (TCP) or ignored for a while."""
 
 LINK_FRAMES = 128
 """Maximum number of frames that are processed per tick and link. With the shortest frames that stations send, this is

@@ -33,7 +33,7 @@ MEETINGS = 64
 """Maximum number of new peers of one socket per second. Datagrams of further new peers are dropped."""
 
 STALE_SECONDS = 60.0
-"""Seconds without a valid frame after which a peer is forgotten. The target is never forgotten."""
+"""A peer is forgotten after this number of seconds without a valid frame. The target is never forgotten."""
 
 MUTE_SECONDS = 10.0
 """Seconds for which a peer is ignored after it has sent only invalid bytes."""

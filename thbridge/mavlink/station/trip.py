@@ -33,7 +33,7 @@ _TEXT_TIMEOUT = 0.5
 """Seconds to wait for the text with a robot's reason for a refusal."""
 _STANDING_SECONDS = 3.0
 _STANDING = 0.02
-"""Speed in m/s below which a robot counts as standing."""
+"""A robot counts as standing if its speed is below this, m/s."""
 
 _ARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
 _DISARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))

@@ -8,7 +8,7 @@ from thbridge.dialogue.games.strategies import Attitude
 from thbridge.roles.shared.view import DialogueView
 
 MOST_REPLIES = 8
-"""Number of replies in a dialogue after which a sceptic gives in or leaves."""
+"""A sceptic gives in or leaves after this number of replies in a dialogue."""
 MOST_TALK = 24
 """Every participant leaves a dialogue after this number of replies, because a robot may mishear repeatedly."""
 QUESTION_PROBABILITY = 0.2

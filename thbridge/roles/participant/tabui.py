@@ -30,13 +30,13 @@ from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import NoticeDecoder, encode_notice
 
 RETRY_PERIOD = 3 * TICKS_PER_SECOND
-"""Number of ticks after which a request is repeated if the view does not show its effect."""
+"""A request is repeated after this number of ticks if the view does not show its effect."""
 
 REJOIN_PERIOD = TICKS_PER_SECOND // 2
 """Number of ticks after joining again before a request is repeated, because the first view may show its effect."""
 
 NUMBER_PERIOD = 30 * TICKS_PER_SECOND
-"""Number of ticks after which an unchanged request of the player gets a new number, because its effect was lost.
+"""After this number of ticks, an unchanged request of the player gets a new number, because its effect was lost.
 
 The server closes connections that are interrupted for this time.
 """

@@ -16,7 +16,8 @@ from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage
 
 PRICED_DISTANCE = 0.5
-"""Distance after which a robot's moves are priced again, meters. At rest, the estimate of the pose drifts a little."""
+"""A robot's moves are priced again if it has moved by this distance, meters. At rest, the estimate of the pose drifts a
+little."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ _WAITING = 20_000
 """Maximum number of queued messages; above it, the client stops reading, and the server may drop messages."""
 _NAP = 0.02
 _TIMEOUT = 10.0
-"""Seconds without data after which the connection counts as broken; the server sends a status every second."""
+"""The connection counts as broken after this number of seconds without data. The server sends a status every second."""
 
 
 @dataclass(frozen=True, slots=True)

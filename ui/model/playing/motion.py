@@ -56,7 +56,7 @@ MAX_HELD_CORRECTION = 0.2
 """Maximum size of a correction for which a driving robot is never moved backward, meters."""
 
 MOVING_SPEED = 0.03
-"""Speed in m/s above which a robot counts as driving."""
+"""A robot counts as driving if its speed is above this, m/s."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

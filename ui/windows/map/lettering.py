@@ -7,7 +7,7 @@ USUAL = 10.5
 
 
 LEAST = 400
-"""Width and height above which the letters of a map may be larger than usual, logical pixels."""
+"""If a map is larger than this width and height, its letters may be larger than usual, logical pixels."""
 
 
 def fitting_font(font: QFont, width: int, height: int) -> QFont:

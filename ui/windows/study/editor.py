@@ -14,7 +14,7 @@ from ui.model.study_form.files import draft_of_file, header_of
 from ui.windows.editing.background import BackgroundWorker
 
 _TYPING = 120
-"""Milliseconds without typing after which the text is checked."""
+"""The text is checked after this number of milliseconds without typing."""
 _SETTLING = 150
 """Time in milliseconds. A file of another program counts as complete if it has not changed for this time."""
 

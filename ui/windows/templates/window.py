@@ -50,7 +50,7 @@ from ui.windows.templates.sheet_page import SheetPage
 from ui.windows.untrusted_text import button_text, shown, title_text
 
 _PAUSE = 250
-"""Milliseconds without a key press after which the text is checked."""
+"""The text is checked after this number of milliseconds without a key press."""
 _ROW_NAMES = {"Treasures": "treasure", "Properties": "property"}
 _LOOK = QSize(96, 96)
 """Size of a picture in the list, `px`."""

@@ -39,7 +39,8 @@ _MOST_SESSIONS = 8
 """Maximum number of open sessions of one requester."""
 
 _IDLE = 10 * TICKS_PER_SECOND
-"""Ticks after which another session may replace an unused session. Its station may have disappeared."""
+"""After this number of ticks, another session may replace an unused session. The station of the unused session may have
+disappeared."""
 
 _MOST_REQUESTERS = 32
 """Maximum number of requesters. The requester that has been silent longest is forgotten first."""

@@ -15,7 +15,7 @@ from thbridge.mavlink.wire.dialect import mav
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 DOWNLOAD_TIMEOUT = 6 * 3 * TICKS_PER_SECOND // 2
-"""Ticks without a request after which a download has ended. This is the time of six attempts of 1500 ms."""
+"""A download has ended after this number of ticks without a request. This is the time of six attempts of 1500 ms."""
 
 _Request: TypeAlias = mav.MAVLink_mission_request_message | mav.MAVLink_mission_request_int_message
 

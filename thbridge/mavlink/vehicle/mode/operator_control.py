@@ -14,7 +14,7 @@ from thbridge.mavlink.values.vehicle_interface import (
 from thbridge.mavlink.vehicle.parts import Announce, TextSeverity
 
 _AWAY = TICKS_PER_SECOND
-"""Number of ticks with another commander after which the station has lost command. It is not 0, because the readings
+"""The station has lost command after this number of ticks with another commander. It is not 0, because the readings
 show the game's reaction to a vehicle's request only some ticks later.
 """
 

@@ -16,7 +16,7 @@ _MOST_WAITING = 8
 _BETWEEN = TICKS_PER_SECOND // 4
 """Ticks between two sentences. So there are at most four sentences per second."""
 _AGAIN = 3 * TICKS_PER_SECOND
-"""Ticks after which the same sentence may be sent again."""
+"""The same sentence may be sent again after this number of ticks."""
 
 
 class StatusTexts:

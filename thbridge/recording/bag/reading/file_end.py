@@ -14,7 +14,7 @@ from thbridge.recording.bag.reading.chunk_reader import ChunkInfo
 from thbridge.recording.bag.records import BagConnection
 
 STEP = 64
-"""Number of chunk infos after which reading the end of a bag pauses; reading these takes some milliseconds."""
+"""Reading the end of a bag pauses after this number of chunk infos. Reading them takes some milliseconds."""
 
 
 @dataclass(slots=True)

@@ -5,7 +5,7 @@ import math
 from thbridge.dialogue.wording.texts import Texts
 
 STALE_AFTER = 1.5
-"""Seconds without telemetry of the robots after which the game counts as stopped.
+"""The game counts as stopped after this number of seconds without telemetry of the robots.
 
 Telemetry arrives 25 times per second.
 """

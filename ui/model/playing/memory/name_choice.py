@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from ui.model.playing.memory.popup_queue import TreasureItem
 
 TYPING = 1.5
-"""Seconds after which a typed letter begins another name instead of continuing the previous letters."""
+"""After this number of seconds, a typed letter begins another name and does not continue the previous letters."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ from ui.windows.participant.widgets.focus import ARROWS, make_region, reachable
 from ui.windows.participant.widgets.painting import ring
 
 PAUSE = 700
-"""Milliseconds without typing, after which the typed text is reported."""
+"""The typed text is reported after this number of milliseconds without typing."""
 
 LIMIT_WARNING = 10
 """Remaining seconds of a time limit. When only these seconds remain, a screen reader announces them."""

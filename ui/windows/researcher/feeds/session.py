@@ -29,7 +29,7 @@ LAG_THRESHOLD, LAG_WINDOW = 0.5, 10.0
 """A session is reported as too slow if its lag increases by more than the first number within the second number,
 seconds."""
 STALE_AFTER = 1.5
-"""Seconds without a message after which a session that is not paused is reported as "no messages"."""
+"""After this number of seconds without a message, "no messages" is reported for a session that is not paused."""
 
 
 class WatchConnection:
