@@ -39,7 +39,7 @@ Truth = Annotated[
     typer.Option(
         "--truth",
         metavar="TOPIC",
-        help="Topic of a robot's true poses (PoseStamped and other types); by default, it is found by its name.",
+        help="Topic of a robot's true poses (PoseStamped and other types). By default, the program finds it by name.",
     ),
 ]
 Estimated = Annotated[
@@ -47,6 +47,6 @@ Estimated = Annotated[
     typer.Option(
         "--estimate",
         metavar="TOPIC",
-        help="Topic of the same robot's estimated poses; by default, it is found by its name.",
+        help="Topic of the same robot's estimated poses. By default, the program finds it by name.",
     ),
 ]

@@ -65,7 +65,7 @@ def keys_list(folder: KeyFolder = FOLDER) -> None:
 
 
 def keys_revoke(name: KeyName, folder: KeyFolder = FOLDER) -> None:
-    """Revoke a key. Clients that use it are disconnected within a second."""
+    """Revoke a key. Clients that use this key are disconnected within a second."""
     from thbridge.files.keys.key_ring import KeyRing
     from thbridge.timing.wall_clock import utc_now
 

@@ -59,7 +59,9 @@ def maps_new(
         int | None,
         typer.Option(help="Number of trips simulated at the same time; default: one per core.", min=1, max=256),
     ] = None,
-    draw: Annotated[bool, typer.Option("--draw", help="Correct rooms and start poses in a window first.")] = False,
+    draw: Annotated[
+        bool, typer.Option("--draw", help="Correct rooms and start poses in a window before any file is written.")
+    ] = False,
     look: LookOption = ColourScheme.SYSTEM,
     progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:

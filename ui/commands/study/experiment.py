@@ -343,7 +343,7 @@ def study_power(
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Estimate how many people are needed to find the effects in `rehearsal.yaml`, by simulated rehearsals."""
+    """Simulate rehearsals to estimate how many people are needed to find the effects in `rehearsal.yaml`."""
     from thbridge.batch.engines.engine import EngineFailed
     from thbridge.experiment.rehearsal.power import WARM, PowerTask
     from ui.command_line.progress import shown_progress
