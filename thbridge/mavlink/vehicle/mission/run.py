@@ -145,7 +145,7 @@ class MissionRun:
             self.execution.drop()
 
     def select(self, item: int) -> Denied | None:
-        """Make this item the next item. A running mission continues with it at once. Otherwise, the next start uses it."""
+        """Make this item the next item. A running mission continues with it at once; other missions start with it."""
         if item not in range(len(self.plan)):
             return Denied(f"The mission has no item {item}.")
         self._restart_at(item)

@@ -105,7 +105,7 @@ class Plots(QWidget):
 
     Args:
         palette: the colors.
-        live: True for a running session, because its end moves.
+        live: True for a running session. The end of a running session moves.
 
     Signals:
         seek: a person wants to go to this time; seconds since the beginning.
