@@ -19,7 +19,7 @@ TICK = 1.0 / TICKS_PER_SECOND
 
 
 def next_turn(tick: int, robot: int, period: int) -> int:
-    """Return the next tick in which it is a robot's turn, later than `tick`.
+    """Return the next tick after `tick` in which it is a robot's turn.
 
     Each robot has one turn in `period` ticks.
     """

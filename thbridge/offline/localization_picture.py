@@ -15,7 +15,7 @@ from thbridge.offline.map_picture import grid_bounds, map_figure, picture_settin
 _TRACKED = "#0072B2"
 _LOST = "#D55E00"
 _JUMP = 1.0
-"""The path has a gap if the distance between two updates is above this, meters. Such a distance is a jump of the pose."""
+"""The path has a gap if the distance between two updates is above this, meters. It is then a jump of the pose."""
 _MARGIN = 5.0
 """Margin of the map around the path, meters.
 

@@ -117,7 +117,7 @@ def build_briefing(setting: StudySetting) -> Briefing:
 
 
 def _alphabetical(word: str) -> str:
-    """Return the sort key of a word, in which letters with accents are like letters without accents."""
+    """Return the sort key of a word. Letters with accents are sorted like letters without accents."""
     return unicodedata.normalize("NFKD", word).casefold()
 
 

@@ -195,5 +195,5 @@ def sendable(value: ParameterValue) -> XmlRpcValue:
 
 
 def _readable(value: object) -> SetValue:
-    """Return the value of a parameter for a request, in which lists, such as footprints, are text."""
+    """Return the value of a parameter in the form for requests. Lists, such as footprints, become text."""
     return value if isinstance(value, bool | int | float | str | None) else json.dumps(value, default=str)

@@ -83,7 +83,7 @@ class WordingAuthor(Protocol):
 
 
 class RefusalReason(StrEnum):
-    """Reason for which a sentence is refused."""
+    """Reason why a sentence is refused."""
 
     AUTHOR_FAILED = "author-failed"
     NO_TEXT = "no-text"
