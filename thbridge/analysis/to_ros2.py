@@ -150,7 +150,7 @@ class _Conversion:
 
 
 def _latched() -> Qos:
-    """Return the profile of publishers whose last message is also sent to later subscribers."""
+    """Return the quality of service of publishers whose last message is also sent to later subscribers."""
     return Qos(
         QosHistory.KEEP_LAST,
         1,

@@ -1,4 +1,4 @@
-"""Reading of texts for participants outside of dialogues: YAML files in `texts/`, in the folder of each language.
+"""Reading of the participants' texts that are not dialogues: YAML files in `texts/`, in the folder of each language.
 
 English has all texts. Texts that another language lacks are shown in English, and `missing_texts` lists them.
 """

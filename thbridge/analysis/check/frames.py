@@ -41,7 +41,7 @@ LATE_NS = 1_000_000_000
 class SlashedFrames:
     """Rule for frames with a leading slash: tf2 refuses to look up these frames.
 
-    In transforms tf2 drops the slash; Foxglove drops it everywhere.
+    tf2 drops the slash only in transforms. Foxglove drops the slash everywhere.
     """
 
     def __init__(self) -> None:

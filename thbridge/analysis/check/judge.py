@@ -101,7 +101,7 @@ class _ConnectionReader:
 
 
 class _BagReader:
-    """Collector of a bag's structure from its records, which passes messages to the rules."""
+    """Collector of a bag's structure from its records. It also passes messages to the rules."""
 
     def __init__(self) -> None:
         rules = (*times.RULES, *frames.RULES, *contents.RULES)

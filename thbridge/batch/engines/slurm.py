@@ -1,4 +1,4 @@
-"""Engine for Slurm jobs, by submitit (extra `cluster`)."""
+"""Engine for Slurm jobs, with submitit (extra `cluster`)."""
 
 import time
 from collections.abc import Iterator, Mapping, Sequence

@@ -87,7 +87,7 @@ class Postcondition:
 
 
 def may_say(locution: Locution, at: Utterer, content: Content) -> bool:
-    """Return True if all conditions of a locution for its speaker hold."""
+    """Return True if the speaker meets all conditions of a locution."""
     names = locution.before_person if at.speaker.is_person else locution.before
     return all(CONDITIONS[name].holds(at, content) for name in names)
 

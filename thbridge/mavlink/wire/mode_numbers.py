@@ -1,7 +1,7 @@
 """Modes of a vehicle, and their numbers for ground stations.
 
 ArduPilot's rovers have one number per mode. PX4 has a main mode and a sub mode. A vehicle that claims to be ArduPilot
-uses ArduPilot's numbers. A generic vehicle uses PX4's numbers, because MAVSDK expects them of every autopilot except
+uses ArduPilot's numbers. A generic vehicle uses PX4's numbers, because MAVSDK expects them from every autopilot except
 ArduPilot.
 
 Source: ArduPilot, Rover, `Mode::Number`; PX4, `px4_custom_mode.h`.

@@ -50,7 +50,7 @@ class RemoteScans:
         self._scan = unpack.laser_scan(data), now_ns
 
     def take(self) -> Scan | None:
-        """Return the newest scan, and each scan only once. Return None while the laser's mounting is unknown."""
+        """Return the newest scan. Return each scan only once. Return None while the laser's mounting is unknown."""
         if self._scan is None:
             return None
         (read, received_ns), self._scan = self._scan, None

@@ -136,7 +136,7 @@ class Registrations:
         return found
 
     def unsubscribe_all(self, key: str, api: str) -> None:
-        """Remove the subscriptions to a parameter of all nodes with this slave API."""
+        """For all nodes with this slave API, remove the subscriptions to a parameter."""
         for provider in self.providers(ProviderKind.PARAMETER, key):
             if provider.api == api:
                 self.unregister(ProviderKind.PARAMETER, key, provider.node, api)

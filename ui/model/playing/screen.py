@@ -60,7 +60,7 @@ class ChooseRobot(Act):
 
 @dataclass(frozen=True, slots=True)
 class NextRobot(Act):
-    """Command the next robot (`step` 1) or the previous one (-1)."""
+    """Command the next robot (`step` 1) or the previous robot (-1)."""
 
     step: int
 

@@ -1,4 +1,4 @@
-"""Sounds of a game: one for each kind of important news. The window also shows all news."""
+"""Sounds of a game: one for each kind of important news. The window also shows all these news."""
 
 from collections.abc import Iterator
 

@@ -283,8 +283,9 @@ _STROKES: dict[RoomState, list[list[tuple[float, float]]]] = {
 def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Palette, scale: float) -> None:
     """Paint the state of a room.
 
-    An open circle means not visited. Arrows mean that a robot is on its way. A disc with a dot means visited, with a
-    tick won, and with a cross lost. Arrows and discs have the robot's color.
+    An open circle means that the room is not visited. Arrows mean that a robot is on its way. A disc means that the
+    room is visited: with a dot, or with a tick for won points, or with a cross for lost points. Arrows and discs have
+    the robot's color.
     """
     painter.save()
     painter.translate(centre)

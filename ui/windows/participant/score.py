@@ -47,7 +47,7 @@ class ScoreLabel(QWidget):
         )
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size without the gain."""
+        """Return the size of the word and the score, without space for the gain."""
         gain = QFontMetricsF(font("hero", bold=True)).horizontalAdvance("  +00")
         return self.sizeHint() - QSize(int(gain) + 2 * GAP, 0)
 

@@ -41,7 +41,7 @@ class RelianceSubject:
 
     @property
     def refused_wrong(self) -> float | None:
-        """Share of wrong advice that was not taken."""
+        """Share of wrong advice that the participant did not follow."""
         taken = self.shares("agreed", right=False)
         return None if taken is None else 1.0 - taken
 

@@ -10,7 +10,7 @@ MOST_BYTES = 1 << 28
 
 
 class Pictures:
-    """Pictures of one game: the game that sent the last piece. Pieces may arrive before the game's first view."""
+    """Pictures of one game: the game of the piece that arrived last. Pieces may arrive before the game's first view."""
 
     def __init__(self) -> None:
         self._game = 0
