@@ -154,8 +154,9 @@ def with_noise(section: NoiseSection, study: T) -> T:
 def resolve_noise(tree: Node) -> Node:
     """Return the tree of a study after moving the numbers of its section `noise` to their own keys.
 
-    The moved numbers keep their line numbers, because messages show these. A number stays in the section if the study also sets the
-    number's own key. All other entries stay in the section, too. So the reader reports each fault at the right line.
+    The moved numbers keep their line numbers, because messages show these. A number stays in the section if the study
+    also sets the number's own key. All other entries stay in the section, too. So the reader reports each fault at the
+    right line.
     """
     moved: Node = Section(1, [])
     rest = tree
