@@ -31,7 +31,9 @@ _TALLEST = 1.5
 
 
 class Tile(ParticipantButton):
-    """Button of a room, with the room's number, a sign of the state, and the cost or the found treasure. The number is the key.
+    """Button of a room, with the room's number, a sign of the state, and the cost or the found treasure.
+
+    The number is also the key.
 
     Attributes:
         looked_at: signal: the pointer has entered or left the tile, or the tile has got or lost the focus.
@@ -269,7 +271,7 @@ class Tiles(ActionWidget):
 
 
 def below(texts: Texts, tile: RoomTile) -> tuple[str, ...]:
-    """Return the line below a room's number, with shorter versions: the found treasure, or the cost of a move to the room."""
+    """Return the line below a room's number, with shorter versions: the found treasure, or the cost of a move."""
     if tile.found:
         return tile.found, *tile.found_shorter
     if tile.state == "reserved":

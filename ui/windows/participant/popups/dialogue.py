@@ -84,7 +84,10 @@ class DialoguePanel(TitledPanel):
             self._grid.setRowStretch(each, int(each == row + 1))
 
     def usual_size(self) -> QSize:
-        """Return the usual size. A dialogue about a treasure replaces the pop-up about this treasure, and has the same size."""
+        """Return the usual size.
+
+        A dialogue about a treasure replaces the pop-up about this treasure, and has the same size.
+        """
         about_find = self._pop is not None and (self._pop.facts or self._pop.picture is not None)
         if about_find:
             return find_size()

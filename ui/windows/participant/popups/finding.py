@@ -30,7 +30,7 @@ _VALUES_A_ROW = 3
 
 
 def find_size() -> QSize:
-    """Return the usual size of a pop-up about a found treasure, logical pixels. The names then fit next to the picture."""
+    """Return the usual size of a pop-up about a found treasure, logical pixels: names fit next to the picture."""
     return QSize(PICTURE.width() + 6 * GAP + px(240), px(330))
 
 
