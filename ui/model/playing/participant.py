@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
@@ -21,6 +21,14 @@ from ui.model.playing.screen import Act, RoomTile, Screen
 from ui.model.playing.sounds import why_silent
 from ui.model.playing.view_update import open_requests, receive_tick, receive_view
 from ui.model.shared.scene import RobotMark, RoomMark
+
+
+@dataclass(frozen=True, slots=True)
+class ComposedScreen:
+    """Screen, and the state of the game that it shows; an act on the screen applies to this state."""
+
+    screen: Screen
+    drawn: DrawnState
 
 
 class Participant:
@@ -143,16 +151,32 @@ class Participant:
         memory.connection.lose(sentence, now)
         self._due = -math.inf
 
-    def do(self, act: Act, now: float) -> None:
-        """Carry out an act of the participant on the last screen.
+    @property
+    def composed(self) -> ComposedScreen | None:
+        """Last screen, to be passed to `do` if a person acts on it later; None before the first."""
+        return None if self._screen is None else ComposedScreen(self._screen, self._memory.last_drawn)
+
+    def do(self, act: Act, now: float, seen: ComposedScreen | None = None) -> None:
+        """Carry out an act of the participant on a screen.
 
         An act has no effect if this screen does not offer the act, or if the object of the act no longer exists. If the
         screen offers an act that is impossible at the moment, the reason is shown.
+
+        Args:
+            act: the act.
+            now: see the class.
+            seen: screen that the participant saw, which may be older than the last one. If None, it is the last one.
         """
-        offered = None if self._screen is None else offer(self._screen, act)
+        seen = seen or self.composed
+        offered = None if seen is None else offer(seen.screen, act)
         if offered is not None and offered.pending:
             return
-        do(self._memory, act, now)
+        memory = self._memory
+        last = memory.last_drawn
+        if seen is not None:
+            memory.last_drawn = seen.drawn
+        do(memory, act, now)
+        memory.last_drawn = last
         self._due = -math.inf
 
     def screen(self, now: float) -> Screen:

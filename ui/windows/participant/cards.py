@@ -4,8 +4,9 @@ from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QResizeEvent
 from PySide6.QtWidgets import QApplication, QSizePolicy, QVBoxLayout, QWidget
 
-from thbridge.dialogue.wording.texts import Texts, counted
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.playing.screen import Action, RobotCard
+from ui.model.playing.spoken import energy_words, spoken_card
 from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ParticipantButton
 from ui.windows.participant.widgets.painting import (
@@ -352,40 +353,3 @@ def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
     painter.setBrush(QColor(colour))
     painter.drawRoundedRect(QRectF(rect.left(), rect.top(), left, rect.height()), half, half)
     painter.restore()
-
-
-def energy_words(texts: Texts, card: RobotCard) -> tuple[str, ...]:
-    """Return the remaining energy and the cost of a considered move in words, as long and short versions."""
-    energy, left = texts.number(card.energy), card.energy
-    if card.cost is None:
-        shown = energy
-    elif card.affordable:
-        left = max(0.0, card.energy - card.cost)
-        shown = f"{energy} − {texts.number(card.cost)} = {texts.number(left)}"
-    else:
-        keys = ("window.lacking_units", "window.lacking", "window.lacking_short")
-        return tuple(texts.text(key, energy=energy, cost=card.cost) for key in keys)
-    units = texts.text("window.energy_units", energy=shown, count=counted(left))
-    return units, texts.text("window.energy", energy=shown), shown
-
-
-def spoken_card(texts: Texts, card: RobotCard) -> str:
-    """Return the text of a card for screen readers."""
-    parts = [
-        card.name,
-        texts.text("window.selected") if card.selected else "",
-        card.commanded,
-        texts.text("window.energy_of", energy=card.energy, full=card.energy_at_start),
-        _spoken_cost(texts, card),
-        card.state,
-        card.place,
-        card.warning,
-        texts.text("window.waits", count=card.waits) if card.waits else "",
-    ]
-    return ", ".join(part for part in parts if part)
-
-
-def _spoken_cost(texts: Texts, card: RobotCard) -> str:
-    if card.cost is None:
-        return ""
-    return texts.text("window.move_costs" if card.affordable else "window.move_too_dear", cost=card.cost)

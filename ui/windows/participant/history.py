@@ -6,6 +6,7 @@ from PySide6.QtWidgets import QFrame, QPlainTextEdit, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
 from ui.model.playing.screen import HistoryLine
+from ui.model.playing.spoken import speaker_of
 from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, font, px
 
@@ -68,7 +69,7 @@ class HistoryView(QPlainTextEdit):
         cursor.movePosition(QTextCursor.MoveOperation.End)
         if not self.document().isEmpty():
             cursor.insertBlock()
-        speaker = _speaker(self._texts, line)
+        speaker = speaker_of(self._texts, line)
         if speaker:
             cursor.insertText(f"{speaker}: ", strong)
         cursor.insertText(line.text, plain)
@@ -83,11 +84,3 @@ def _new(shown: tuple[HistoryLine, ...], history: tuple[HistoryLine, ...]) -> tu
         if shown[gone:] == history[:kept]:
             return history[kept:]
     return history
-
-
-def _speaker(texts: Texts, line: HistoryLine) -> str:
-    if line.speaker == "game":
-        return ""
-    if line.robot is None:
-        return texts.text("window.you")
-    return texts.text("window.you_to" if line.speaker == "you" else "window.robot", robot=line.robot)

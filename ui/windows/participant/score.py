@@ -5,6 +5,7 @@ from PySide6.QtGui import QColor, QFontMetricsF, QPaintEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
+from ui.model.playing.spoken import signed
 from ui.windows.look import GAP, colours, font, smooth_painter
 from ui.windows.participant.widgets.painting import write
 
@@ -61,7 +62,7 @@ class ScoreLabel(QWidget):
         share = self._share()
         now, target = round(self._from + share * ((self._score or 0) - self._from)), self._score or 0
         hero = font("hero", bold=True)
-        words = _signed(now)
+        words = signed(now)
         write(painter, rect.adjusted(left, 0, 0, 0), words, hero, palette.text)
         gain = target - self._from
         if share < 1.0 and gain:
@@ -69,7 +70,7 @@ class ScoreLabel(QWidget):
             ink = QColor(palette.good if gain > 0 else palette.bad)
             ink.setAlphaF(min(1.0, 2.0 * (1.0 - share)))
             above = rect.adjusted(left, -6.0 * share, 0, -6.0 * share)
-            write(painter, above, f"{'+' if gain > 0 else ''}{_signed(gain)}", font("title", bold=True), ink)
+            write(painter, above, f"{'+' if gain > 0 else ''}{signed(gain)}", font("title", bold=True), ink)
 
     @property
     def is_counting(self) -> bool:
@@ -82,7 +83,3 @@ class ScoreLabel(QWidget):
             return 1.0
         value = self._counting.currentValue()
         return value if isinstance(value, float) else 1.0
-
-
-def _signed(number: int) -> str:
-    return f"{number}".replace("-", "−")

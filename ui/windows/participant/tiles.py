@@ -4,8 +4,9 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Signal
 from PySide6.QtGui import QFocusEvent, QFontMetricsF, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from thbridge.dialogue.wording.texts import Texts, counted
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.playing.screen import RoomTile
+from ui.model.playing.spoken import spoken_tile, tile_words
 from ui.model.shared.scene import RoomState
 from ui.windows.look import GAP, RADIUS, colours, font, px, smooth_painter
 from ui.windows.participant.widgets.buttons import ActionWidget, ParticipantButton
@@ -154,7 +155,7 @@ class Tile(ParticipantButton):
             sign(painter, QRectF(line.left(), line.center().y() - side / 2, side, side), "trouble", palette.text)
             line = line.adjusted(side + 4.0, 0.0, 0.0, 0.0)
         metrics = QFontMetricsF(small)
-        text = fitting(below(self._texts, tile), line.width(), metrics)
+        text = fitting(tile_words(self._texts, tile), line.width(), metrics)
         strong = tile.choose.enabled or tile.found or tile.warning
         write(painter, line, text, small, palette.text if strong else palette.muted)
 
@@ -268,34 +269,3 @@ class Tiles(ActionWidget):
         for number, tile in enumerate(self.tiles):
             row, column = divmod(number, columns)
             tile.setGeometry(edges[column], row * (high + space), edges[column + 1] - edges[column] - space, high)
-
-
-def below(texts: Texts, tile: RoomTile) -> tuple[str, ...]:
-    """Return the line below a room's number, with shorter versions: the found treasure, or the cost of a move."""
-    if tile.found:
-        return tile.found, *tile.found_shorter
-    if tile.state == "reserved":
-        return texts.text("window.on_the_way"), texts.text("window.taken")
-    if tile.state != "unvisited":
-        return ("",)
-    if tile.cost is None:
-        return ("" if tile.reachable else texts.text("window.no_way"),)
-    keys = ("window.costs_energy", "window.costs_units", "window.units")
-    return *(texts.text(key, cost=tile.cost, count=counted(tile.cost)) for key in keys), texts.number(tile.cost)
-
-
-def spoken_tile(texts: Texts, tile: RoomTile) -> str:
-    """Return the description of a room for screen readers."""
-    if tile.robot is None or tile.state == "unvisited":
-        state = texts.text(f"window.{tile.state}")
-    else:
-        state = texts.clause(f"window.{tile.state}_by", robot=tile.robot)
-    parts = [
-        texts.text("window.room", room=tile.room),
-        tile.name,
-        state,
-        tile.found,
-        "" if tile.cost is None or tile.state != "unvisited" else texts.text("window.costs", cost=tile.cost),
-        tile.warning,
-    ]
-    return ", ".join(part for part in parts if part)

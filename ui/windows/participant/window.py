@@ -23,6 +23,7 @@ from PySide6.QtWidgets import (
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.roles.shared.notices import FloorPlan
+from ui.model.playing.answer_guard import AnswerGuard
 from ui.model.playing.keys import HELP, shown_key
 from ui.model.playing.participant import Participant
 from ui.model.playing.screen import (
@@ -35,17 +36,14 @@ from ui.model.playing.screen import (
     FollowRobot,
     GoOnFromGame,
     Phase,
-    PickName,
-    RequestSuggestionAct,
     RoomTile,
     Screen,
     SelectRoomAct,
     ShowSettings,
-    TakePictureAct,
     TreasurePopup,
-    TypeDigit,
     TypeLetter,
 )
+from ui.model.playing.spoken import remark_of
 from ui.model.shared.theme import Palette
 from ui.windows import pointer
 from ui.windows.look import GAP, follow_text, px, spaced
@@ -72,13 +70,6 @@ from ui.windows.participant.widgets.panels import ModalOverlay, TitledPanel, set
 
 FRAME = 16
 """Milliseconds between two updates of the window with data of its model."""
-
-ANSWER_DELAY = 0.3
-"""Seconds during which a new pop-up ignores answers, because a press was meant for the previous content.
-
-The next turn of the same dialogue also counts as a new pop-up, because the second press of a double click is not an
-answer. A picked name cannot be submitted before a person has had time to read the name.
-"""
 
 ROBOT_SIZE = 40
 """Width and height of the square around a robot that a pop-up should leave visible on the map, logical pixels."""
@@ -123,16 +114,10 @@ class ParticipantWindow(QWidget):
         self._showing = False
         self._considered: int | None = None
         self._announced: int | None = None
-        self._popped: tuple[Act, ...] = ()
-        self._popped_at = self._opened_at = -ANSWER_DELAY
-        # Time from which digits stand for rooms again. A press shortly afterward was meant for a numbered answer.
-        self._digits_at = -ANSWER_DELAY
-        # Time at which the game selected another robot. A room chosen shortly afterward was meant for the previous
-        # robot.
-        self._selected_at = -ANSWER_DELAY
+        self._guard = AnswerGuard()
         self._acting = False
-        # Time of appearance of the pop-up that was visible when the currently held key was pressed.
-        self._pressed_since = self._opened_at
+        # When the currently held key was pressed, a pop-up was visible; this is the time at which it appeared.
+        self._pressed_since = self._guard.opened_at
         self.setWindowTitle(self._texts.text("window.title"))
         self.setMinimumSize(760, 420)
         self.resize(1200, 800)
@@ -198,8 +183,8 @@ class ParticipantWindow(QWidget):
         )
         for panel in self._panels:
             panel.requested.connect(self.do)
-        self.map.room_clicked.connect(lambda room: self._do_on_map(SelectRoomAct(room)))
-        self.map.robot_clicked.connect(lambda robot: self._do_on_map(ChooseRobot(robot)))
+        self.map.room_clicked.connect(lambda room: self.do(SelectRoomAct(room), on_map=True))
+        self.map.robot_clicked.connect(lambda robot: self.do(ChooseRobot(robot), on_map=True))
         self.map.follow_ended.connect(self._end_follow)
         self.map.room_hovered.connect(lambda _room: self._consider())
         self.column.tiles.looked_at.connect(self._consider)
@@ -232,19 +217,13 @@ class ParticipantWindow(QWidget):
             return
         self._show_map(now)
 
-    def do(self, act: Act) -> None:
-        """Let the model do this act, unless the act was meant for the previous content."""
+    def do(self, act: Act, *, on_map: bool = False) -> None:
+        """Let the model do this act, unless the act was meant for the previous content; see `AnswerGuard`."""
         if isinstance(act, DeclineConsentAct):
             self.declined.emit()
             return
         now = self._clock()
-        picks = isinstance(act, PickName | TypeLetter)
-        since = self._opened_at if picks else self._popped_at
-        if (picks or act in self._popped) and now - since < ANSWER_DELAY:
-            return
-        if isinstance(act, TypeDigit) and now - self._digits_at < ANSWER_DELAY:
-            return
-        if isinstance(act, SelectRoomAct | RequestSuggestionAct | TypeDigit) and now - self._selected_at < ANSWER_DELAY:
+        if not self._guard.admits(act, now, on_map=on_map):
             return
         if isinstance(act, ShowSettings):
             self.settings_wanted.emit()
@@ -261,11 +240,6 @@ class ParticipantWindow(QWidget):
         self._acting = True
         self.refresh()
         self._acting = False
-
-    def _do_on_map(self, act: Act) -> None:
-        """Do the act of a click on the map, unless the click was meant for a pop-up that has just closed."""
-        if self._clock() - self._popped_at >= ANSWER_DELAY:
-            self.do(act)
 
     def _end_follow(self) -> None:
         if self._model.followed is not None:
@@ -316,7 +290,7 @@ class ParticipantWindow(QWidget):
         self.column.cards.show_cards(screen.cards)
         self.column.tiles.show_tiles(screen.tiles)
         self.column.dont_know.show_action(screen.ask_advice)
-        set_text(self.column.hint, _hint(self._texts, screen))
+        set_text(self.column.hint, remark_of(self._texts, screen))
         self.waiting.show_waiting(screen.waiting, screen.nothing_waits)
         self.history.show_history(screen.history)
         self._show_pops(screen, before, now)
@@ -357,19 +331,11 @@ class ParticipantWindow(QWidget):
             self.overlay.show_panel(None)
         if bool(screen.help) != (before is not None and bool(before.help)):
             self.help_shown.emit(bool(screen.help))
-        offered = _offered(screen)
-        if before is None or offered != self._popped or _subject(screen) != _subject(before):
-            self._popped, self._popped_at = offered, now
+        if self._guard.show(screen, before, now, acting=self._acting):
             self.map.hover(None)
             for shown in (*self._panels, self.column.tiles):
                 for button in shown.findChildren(ParticipantButton):
                     button.let_go()
-        if before is not None and _selected(screen) != _selected(before) and not self._acting:
-            self._selected_at = now
-        if before is not None and _is_numbered(before) and not _is_numbered(screen):
-            self._digits_at = now
-        if before is None or _listed(screen) != _listed(before):
-            self._opened_at = now
 
     def _subject_on_map(self) -> list[QRect]:
         """Return the places of the pop-up's subject on the map, pixels: the robot, and the middle of the room."""
@@ -397,8 +363,8 @@ class ParticipantWindow(QWidget):
         """
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
             if not event.isAutoRepeat():
-                self._pressed_since = self._opened_at
-            elif event.key() in focus.ARROWS and self._pressed_since != self._opened_at:
+                self._pressed_since = self._guard.opened_at
+            elif event.key() in focus.ARROWS and self._pressed_since != self._guard.opened_at:
                 event.accept()
                 return True
         return super().event(event)
@@ -472,60 +438,3 @@ class ParticipantWindow(QWidget):
         """
         wide = min(max(px(336), int(self.width() * 0.3)), px(480))
         self.column.setFixedWidth(min(wide, int(self.width() * 0.45)))
-
-
-def _offered(screen: Screen) -> tuple[Act, ...]:
-    """Return the possible answers of the pop-up, the question and the end page, which appear without a request."""
-    acts: list[Act] = []
-    if screen.confirmation is not None:
-        acts += [screen.confirmation.yes.act, screen.confirmation.no.act]
-    match screen.popup:
-        case DialoguePopup(choices=choices):
-            acts += [choice.act for choice in choices]
-        case TreasurePopup() as pop:
-            acts += [pop.name_it.act, pop.leave.act, TakePictureAct()]
-        case None:
-            pass
-    if screen.ending is not None:
-        acts.append(screen.ending.again.act)
-    return tuple(acts)
-
-
-def _subject(screen: Screen) -> tuple[object, ...]:
-    """Return the content that a person should read before an answer."""
-    pop = screen.popup
-    match pop:
-        case DialoguePopup():
-            return screen.confirmation, pop.robot, pop.sentences
-        case TreasurePopup():
-            return screen.confirmation, pop.room, pop.picked
-        case None:
-            return (screen.confirmation,)
-
-
-def _selected(screen: Screen) -> int | None:
-    """Return the index of the selected robot; None if no robot is selected."""
-    return next((card.robot for card in screen.cards if card.selected), None)
-
-
-def _is_numbered(screen: Screen) -> bool:
-    """Return True while digits stand for answers."""
-    return isinstance(screen.popup, DialoguePopup) and screen.popup.numbered
-
-
-def _listed(screen: Screen) -> tuple[object, ...]:
-    """Return a value that identifies the list that receives letters and arrow keys."""
-    pop = screen.popup
-    subject = (pop.robot, pop.room) if isinstance(pop, TreasurePopup) else None
-    return subject, screen.confirmation, bool(screen.help)
-
-
-def _hint(texts: Texts, screen: Screen) -> str:
-    """Return a remark about the considered room, or about the digits typed so far."""
-    if screen.typed:
-        return texts.text("window.digits", digits=screen.typed, enter=shown_key(texts, "Enter"))
-    tile: RoomTile | None = next((tile for tile in screen.tiles if tile.considered), None)
-    if tile is None:
-        return ""
-    words = tile.warning or tile.choose.hint
-    return texts.text("window.remark", name=tile.name, remark=words) if words else tile.name

@@ -62,14 +62,14 @@ from ui.model.playing.screen import (
     TypeDigit,
     TypeLetter,
 )
+from ui.model.playing.spoken import energy_words, tile_words
 from ui.model.shared.theme import LIGHT
 from ui.windows.look import GAP, font
 from ui.windows.map import MapView
-from ui.windows.participant.cards import EDGE, PAD, energy_words
+from ui.windows.participant.cards import EDGE, PAD
 from ui.windows.participant.pages.pages import KeyCap
 from ui.windows.participant.popups.finding import PICTURE, NamingResult, TreasureFacts, TreasurePicture
 from ui.windows.participant.score import ScoreLabel
-from ui.windows.participant.tiles import below
 from ui.windows.participant.top import BannerLine
 from ui.windows.participant.widgets.buttons import ActionButton, ParticipantButton
 from ui.windows.participant.widgets.painting import chip_size
@@ -1007,20 +1007,20 @@ def test_a_talk_that_fits_has_no_scroll_bar_that_would_break_its_lines(qtbot: Qt
 
 def test_a_finding_has_shorter_words_for_a_narrow_tile() -> None:
     tile = replace(sample_screens.tile(1, 8), found="Orange bottle, +10", found_shorter=("Orange bottle", "+10"))
-    assert below(shipped_texts(), tile) == ("Orange bottle, +10", "Orange bottle", "+10")
+    assert tile_words(shipped_texts(), tile) == ("Orange bottle, +10", "Orange bottle", "+10")
 
 
 def test_a_room_without_a_cost_has_no_way_only_where_none_leads_there() -> None:
     tile = replace(sample_screens.tile(1, 8), state="unvisited", cost=None, found="")
     impossible = replace(tile, choose=replace(tile.choose, enabled=False))
-    assert below(shipped_texts(), impossible) == ("",), "its robot drives, and another one talks about it"
-    assert below(shipped_texts(), replace(impossible, reachable=False)) == ("no path",)
+    assert tile_words(shipped_texts(), impossible) == ("",), "its robot drives, and another one talks about it"
+    assert tile_words(shipped_texts(), replace(impossible, reachable=False)) == ("no path",)
 
 
 def test_one_unit_is_no_units() -> None:
     texts = shipped_texts()
     tile = replace(sample_screens.tile(3, 8), cost=1.0)
-    assert below(texts, tile)[0] == "costs 1 unit of energy"
-    assert below(texts, replace(tile, cost=1.5))[0] == "costs 1.5 units of energy"
+    assert tile_words(texts, tile)[0] == "costs 1 unit of energy"
+    assert tile_words(texts, replace(tile, cost=1.5))[0] == "costs 1.5 units of energy"
     card = replace(sample_screens.card(0), energy=28.0, cost=27.0)
     assert energy_words(texts, card)[0] == "Energy: 28 − 27 = 1 unit"
