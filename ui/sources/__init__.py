@@ -1,1 +1,1 @@
-"""Data sources of windows: recordings, read in small pieces so that windows stay responsive; without Qt."""
+"""Data sources of front ends, without Qt: a game at its server, and recordings, read in small pieces."""

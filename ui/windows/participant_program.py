@@ -45,10 +45,11 @@ from ui.model.playing.participant import Participant
 from ui.model.playing.practice import advice
 from ui.model.playing.screen import CloseWindow, Phase, SwitchSound
 from ui.model.shared.theme import Palette
+from ui.sources.game import ServerReached
 from ui.windows import look, pointer
 from ui.windows.application import application
 from ui.windows.host_pipe import HostPipe
-from ui.windows.link import ParticipantLink, ServerReached
+from ui.windows.link import ParticipantLink
 from ui.windows.look import GAP, spaced
 from ui.windows.participant.pages.pages import ConnectingPage, ThanksPage, consent_page
 from ui.windows.participant.pages.start import StartPage

@@ -18,7 +18,7 @@ from ui.model.shared.theme import Palette
 from ui.windows import pointer
 from ui.windows.map.box import MapBox
 from ui.windows.map.changes import same_rooms, settled
-from ui.windows.map.geometry import contains, unpack
+from ui.model.shared.map_geometry import contains, unpack
 from ui.windows.map.ground import Ground
 from ui.windows.map.item import Z_SCALE_BAR
 from ui.windows.map.lettering import fitting_font

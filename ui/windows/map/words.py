@@ -8,7 +8,7 @@ from sim.common.geometry import Pose2
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.rooms import CORRIDOR
 from ui.model.shared.scene import VISITED, RobotMark, RoomMark
-from ui.windows.map.geometry import contains
+from ui.model.shared.map_geometry import contains
 
 
 def describe(texts: Texts, rooms: Sequence[RoomMark], robots: Sequence[RobotMark]) -> str:

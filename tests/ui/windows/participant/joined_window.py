@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 
 from tests.support.hunts.participant_views import view
 from ui.model.lobby import FromWindow
-from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
+from ui.sources.game import ReceivedEvent, ServerReached
+from ui.windows.link import ParticipantLink
 from ui.windows.participant_program import ParticipantMainWindow
 
 

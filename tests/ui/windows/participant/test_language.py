@@ -14,7 +14,8 @@ from thbridge.files import language_texts
 from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.shared.notices import GameTexts
 from ui.model.lobby import LOBBY, FromHost, Offer, Preparing, Thanks
-from ui.windows.link import ParticipantLink, ReceivedEvent
+from ui.sources.game import ReceivedEvent
+from ui.windows.link import ParticipantLink
 from ui.windows.participant_program import GamePage, ParticipantMainWindow
 
 

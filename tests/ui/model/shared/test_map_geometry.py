@@ -11,7 +11,7 @@ from msgspec import structs
 
 from tests.support.maps.sample_maps import house_of, shipped_map
 from thbridge.roles.shared.notices import FloorPlan
-from ui.windows.map.geometry import FREE, UNKNOWN, WALL, contains, unpack
+from ui.model.shared.map_geometry import FREE, UNKNOWN, WALL, contains, unpack
 
 
 def test_the_bounds_hold_all_that_is_known() -> None:

@@ -1,0 +1,108 @@
+"""Browser of one person as the window of a study: the same messages as the kiosk's window, over a WebSocket."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+
+import msgspec
+
+from thbridge.dialogue.wording.texts import Texts
+from ui.model.kiosk import KIOSK, FromKiosk, GameToJoin, KioskClosed, StudyTexts, ToKiosk
+from ui.web.page.study_page import StudyPageMaker
+from ui.web.pool.pool import HostedGame
+
+GAME_MESSAGES = ('{"t":"painted"', '{"t":"act"', '{"t":"key"')
+"""Beginnings of messages that concern the page of a game; they are passed on unchanged."""
+
+
+class BrowserWindow:
+    """Window of one person, which lives as long as their visit; their browser may come and go.
+
+    It implements `WindowOfKiosk`.
+
+    Args:
+        texts: texts until the study has sent its own.
+    """
+
+    def __init__(self, texts: Texts) -> None:
+        self._maker = StudyPageMaker(texts)
+        self._kept: list[ToKiosk] = []
+        self._requests: asyncio.Queue[FromKiosk] = asyncio.Queue()
+        self._send_text: Callable[[str], None] | None = None
+        self._game: HostedGame | None = None
+
+    # The study's side
+
+    async def send(self, message: ToKiosk) -> None:
+        """Show a message; a browser that connects later receives it too, if it still matters."""
+        self._kept = list(KIOSK.kept(self._kept, message))
+        self._show(message)
+
+    async def next_request(self) -> FromKiosk:
+        """Wait for the next message of the browser."""
+        return await self._requests.get()
+
+    @asynccontextmanager
+    async def opened(self) -> AsyncIterator[None]:
+        """Do nothing: the browser opens the page."""
+        yield
+
+    def leave_open(self) -> None:
+        """Do nothing: the page stays open by itself."""
+
+    def close(self) -> None:
+        """End the visit."""
+        self._requests.put_nowait(KioskClosed())
+
+    def play(self, game: HostedGame | None) -> None:
+        """Connect the browser to this game, whose page is `GameToJoin`. If None, disconnect it."""
+        self._game = game
+        if game is not None and self._send_text is not None:
+            game.join()
+
+    def show(self, text: str) -> None:
+        """Pass on a message of the game to the browser."""
+        if self._send_text is not None:
+            self._send_text(text)
+
+    # The browser's side
+
+    def connect(self, send: Callable[[str], None]) -> None:
+        """Show everything to this browser from now on."""
+        self._send_text = send
+        for message in self._kept:
+            self._show(message)
+        if self._game is not None:
+            self._game.join()
+
+    def disconnect(self) -> None:
+        """Note that the browser is gone."""
+        self._send_text = None
+        if self._game is not None:
+            self._game.part()
+
+    def receive(self, text: str) -> None:
+        """Process a message of the browser.
+
+        Raises:
+            msgspec.MsgspecError: the message is malformed.
+        """
+        if text.startswith(GAME_MESSAGES):
+            if self._game is not None:
+                self._game.pass_on(text)
+            return
+        message = KIOSK.decode_from_window(text.encode())
+        if not isinstance(message, KioskClosed):  # Only the host may end the visit.
+            self._requests.put_nowait(message)
+
+    def _show(self, message: ToKiosk) -> None:
+        if isinstance(message, StudyTexts):
+            self._maker.texts = message.texts.texts() or self._maker.texts
+        page = self._maker.page(message)
+        if page is not None and self._send_text is not None:
+            self._send_text(msgspec.json.encode(page).decode())
+
+
+def is_game(message: ToKiosk) -> bool:
+    """Return True if a message lets the browser join a game."""
+    return isinstance(message, GameToJoin)

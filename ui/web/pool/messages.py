@@ -1,0 +1,81 @@
+"""Messages between the gateway and a worker: one JSON object per line, over a socket on this machine or another one.
+
+The docstring of each message begins with its sender.
+"""
+
+from typing import TypeAlias
+
+import msgspec
+
+LONGEST_LINE = 4 * 1024 * 1024
+"""Bytes of the longest line; a picture is the largest part of a message."""
+
+
+class GatewayHello(msgspec.Struct, frozen=True, tag="hello"):
+    """Gateway: first message of a connection; `token` is the worker's secret."""
+
+    token: str
+
+
+class BrowserJoined(msgspec.Struct, frozen=True, tag="joined"):
+    """Gateway: a browser shows the game from now on; it has received nothing yet."""
+
+
+class BrowserLeft(msgspec.Struct, frozen=True, tag="left"):
+    """Gateway: no browser shows the game at the moment."""
+
+
+class FromBrowser(msgspec.Struct, frozen=True, tag="browser"):
+    """Gateway: a message of the browser, unchanged."""
+
+    text: str
+
+
+class PersonLeft(msgspec.Struct, frozen=True, tag="leave"):
+    """Gateway: the person has left the game, or their run has ended; the game ends."""
+
+
+class ToBrowser(msgspec.Struct, frozen=True, tag="show"):
+    """Worker: a message for the browser, to be passed on unchanged."""
+
+    text: str
+
+
+class GameReady(msgspec.Struct, frozen=True, tag="ready"):
+    """Worker: the game can be joined."""
+
+
+class SeatSeenOver(msgspec.Struct, frozen=True, tag="seen over"):
+    """Worker: the browser shows the end of the game."""
+
+
+class SeatWentOn(msgspec.Struct, frozen=True, tag="went on"):
+    """Worker: the person continues after the game."""
+
+
+class SeatDeclined(msgspec.Struct, frozen=True, tag="declined"):
+    """Worker: the person does not take part in the study."""
+
+
+class GameEnded(msgspec.Struct, frozen=True, tag="ended"):
+    """Worker: the game has ended, and its files are complete.
+
+    Attributes:
+        result: result of the request in JSON.
+        problem: sentence about the reason if the game could not be played; empty otherwise.
+    """
+
+    result: msgspec.Raw = msgspec.Raw(b"null")
+    problem: str = ""
+
+
+ToWorker: TypeAlias = GatewayHello | BrowserJoined | BrowserLeft | FromBrowser | PersonLeft
+FromWorker: TypeAlias = ToBrowser | GameReady | SeatSeenOver | SeatWentOn | SeatDeclined | GameEnded
+
+TO_WORKER = msgspec.json.Decoder(ToWorker)
+FROM_WORKER = msgspec.json.Decoder(FromWorker)
+
+
+def encode_line(message: ToWorker | FromWorker) -> bytes:
+    """Return the line of a message."""
+    return msgspec.json.encode(message) + b"\n"

@@ -1,0 +1,78 @@
+"""Game of a study file, for one visitor."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.app import play as hunt
+from thbridge.app.consent import ParticipantDeclined
+from thbridge.app.play import HuntUnfinished, PlayOptions
+from thbridge.app.session.session import TickRecord
+from thbridge.dialogue.wording.texts import Texts
+from thbridge.files.errors import BadFile
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
+from thbridge.study.study_file import Study
+from ui.command_line.settings import setting_of
+from ui.hosting.games import practice_setting
+from ui.web.page.patches import Json
+from ui.web.pool.worker import SeatOfGame
+
+
+@dataclass(frozen=True, slots=True)
+class SingleGame:
+    """Game of a study file; see `GameRequest`.
+
+    Attributes:
+        study: the study.
+        file: its file, for relative paths.
+        bag: path of the recording; None for no recording.
+        practice: True for the practice game.
+        agreed_at: time at which the person gave consent; empty if they were not asked.
+        max_seconds: simulated seconds after which the game is stopped.
+        once: True because another page follows the game.
+    """
+
+    study: Study
+    file: Path | None
+    bag: Path | None
+    practice: bool
+    agreed_at: str
+    max_seconds: float
+    once: bool = True
+
+    def texts(self) -> Texts:
+        """See `GameRequest`."""
+        return setting_of(self.study, self.file).texts
+
+    async def play(self, seat: SeatOfGame) -> Json:
+        """Play the game; return its score, and the reason for its end."""
+        setting = setting_of(self.study, self.file)
+        if self.practice:
+            setting = practice_setting(setting)
+        inputs = None if self.bag is None else self.bag.with_suffix(".inputs")
+        options = PlayOptions(
+            setting.study.rate or 1.0,
+            self.bag,
+            frozenset(),
+            "",
+            self.max_seconds,
+            left=seat.has_left,
+            inputs=inputs,
+        )
+
+        def ready(where: ListeningAddress | CannotListen) -> None:
+            if isinstance(where, CannotListen):
+                raise BadFile(self.file or Path("study"), str(where), "write server.port: 0")
+            seat.ready(where)
+
+        try:
+            outcome = await hunt.play(setting, None, options, ready, _ignore)
+        except ParticipantDeclined:
+            return None
+        except HuntUnfinished as early:
+            outcome = early.outcome
+        return {"score": outcome.score, "over": outcome.over}
+
+
+def _ignore(moment: TickRecord) -> None:
+    """Do nothing: the recording has everything."""

@@ -1,0 +1,229 @@
+"""Worker: a process that plays one game, with the seats of its people."""
+
+import asyncio
+import hmac
+import logging
+import os
+import signal
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Protocol
+
+import msgspec
+
+from thbridge.dialogue.wording.texts import Texts
+from thbridge.files.errors import BadFile
+from thbridge.sockets.addresses import ListeningAddress
+from ui.hosting.lobby import WILDCARD_ADDRESSES
+from ui.web.page.messages import FROM_GAME_PAGE
+from ui.web.page.patches import Json
+from ui.web.pool.messages import (
+    LONGEST_LINE,
+    TO_WORKER,
+    BrowserJoined,
+    BrowserLeft,
+    FromBrowser,
+    FromWorker,
+    GameEnded,
+    GameReady,
+    GatewayHello,
+    PersonLeft,
+    SeatDeclined,
+    SeatSeenOver,
+    SeatWentOn,
+    ToBrowser,
+    encode_line,
+)
+from ui.web.seat import GameSeat
+
+_log = logging.getLogger(__name__)
+
+GATEWAY_TIMEOUT = 60.0
+"""Seconds for which a worker keeps the result of a game if no gateway is connected."""
+
+
+class SeatOfGame(Protocol):
+    """What a request needs to seat its person; see `Worker`."""
+
+    def ready(self, where: ListeningAddress) -> None:
+        """Seat the person at the game with this address."""
+
+    def has_left(self) -> bool:
+        """Return True if the person has left the game."""
+
+    def has_seen_end(self) -> bool:
+        """Return True if the person's browser shows the end of the game."""
+
+
+class GameRequest(Protocol):
+    """Game that a worker plays; it is sent to the worker's process, so it must be possible to pickle it."""
+
+    practice: bool
+    once: bool
+    agreed_at: str
+
+    def texts(self) -> Texts:
+        """Return the texts until the game has sent its own."""
+
+    async def play(self, seat: SeatOfGame) -> Json:
+        """Play the game; return its result."""
+
+
+class Worker:
+    """Worker of one game.
+
+    Args:
+        request: game to play.
+        path: path of the socket on which the gateway connects.
+        token: secret of the worker.
+    """
+
+    def __init__(self, request: GameRequest, path: Path, token: str) -> None:
+        self._request = request
+        self._path = path
+        self._token = token
+        self._gateway: asyncio.StreamWriter | None = None
+        self._connected = asyncio.Event()
+        self._seat: GameSeat | None = None
+        self._seated: asyncio.Task[None] | None = None
+        self._browser = False
+        self._left = False
+        self._reported: set[type[FromWorker]] = set()
+        # Messages that a gateway needs to know, also one that connects later.
+        self._state: list[FromWorker] = []
+
+    async def run(self) -> None:
+        """Play the game, and report its result to the gateway."""
+        server = await asyncio.start_unix_server(self._serve, self._path, limit=LONGEST_LINE)
+        async with server:
+            ended = await self._play()
+            await self._leave_seat()
+            self._note(ended)
+            with suppress(TimeoutError):
+                async with asyncio.timeout(GATEWAY_TIMEOUT):
+                    await self._connected.wait()
+                    if self._gateway is not None:
+                        await self._gateway.drain()
+                        self._gateway.close()
+                        await self._gateway.wait_closed()
+
+    async def _play(self) -> GameEnded:
+        try:
+            result = await self._request.play(self)
+        except BadFile as bad:
+            return GameEnded(problem=str(bad))
+        return GameEnded(msgspec.Raw(msgspec.json.encode(result)))
+
+    # The game's side
+
+    def ready(self, where: ListeningAddress) -> None:
+        """See `SeatOfGame`."""
+        host = WILDCARD_ADDRESSES.get(where.host, where.host)
+        request = self._request
+        seat = GameSeat(
+            ListeningAddress(host, where.port),
+            self._token,
+            request.texts(),
+            practice=request.practice,
+            once=request.once,
+            agreed_at=request.agreed_at,
+        )
+        self._seat, self._seated = seat, asyncio.create_task(seat.run())
+        if self._browser:
+            seat.show_to(self._show)
+        self._note(GameReady())
+
+    def has_left(self) -> bool:
+        """See `SeatOfGame`."""
+        seat = self._seat
+        if seat is not None:
+            for happened, message in (
+                (seat.seen_over, SeatSeenOver()),
+                (seat.went_on, SeatWentOn()),
+                (seat.declined, SeatDeclined()),
+            ):
+                if happened and type(message) not in self._reported:
+                    self._reported.add(type(message))
+                    self._note(message)
+        return self._left or (seat is not None and (seat.went_on or seat.declined))
+
+    def has_seen_end(self) -> bool:
+        """See `SeatOfGame`."""
+        return self._seat is not None and self._seat.seen_over
+
+    async def _leave_seat(self) -> None:
+        if self._seat is not None and self._seated is not None:
+            self._seat.stop()
+            await asyncio.gather(self._seated, return_exceptions=True)
+
+    # The gateway's side
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """Serve a gateway; a new gateway replaces the one before it, which has died."""
+        try:
+            hello = TO_WORKER.decode(await reader.readline())
+            if not isinstance(hello, GatewayHello) or not hmac.compare_digest(hello.token, self._token):
+                return
+            before, self._gateway = self._gateway, writer
+            if before is not None:
+                before.close()
+            for message in self._state:
+                writer.write(encode_line(message))
+            self._connected.set()
+            while line := await reader.readline():
+                self._receive(TO_WORKER.decode(line))
+        except (msgspec.MsgspecError, ValueError, ConnectionError) as error:
+            _log.warning("the gateway's connection is closed: %s", error)
+        finally:
+            if self._gateway is writer:
+                self._gateway = None
+                self._connected.clear()
+                self._leave_browser()
+            writer.close()
+
+    def _receive(self, message: object) -> None:
+        match message:
+            case BrowserJoined():
+                self._browser = True
+                if self._seat is not None:
+                    self._seat.show_to(self._show)
+            case BrowserLeft():
+                self._leave_browser()
+            case FromBrowser(text) if self._seat is not None:
+                try:
+                    said = FROM_GAME_PAGE.decode(text)
+                except msgspec.MsgspecError:
+                    return  # The gateway has no reason to end a game for a browser's mistake.
+                self._seat.receive(said)
+            case PersonLeft():
+                self._left = True
+            case _:
+                pass
+
+    def _leave_browser(self) -> None:
+        self._browser = False
+        if self._seat is not None:
+            self._seat.show_to(None)
+
+    def _show(self, message: dict[str, Json]) -> None:
+        self._send(ToBrowser(msgspec.json.encode(message).decode()))
+
+    def _note(self, message: FromWorker) -> None:
+        """Send a message that a later gateway must also receive."""
+        self._state.append(message)
+        self._send(message)
+
+    def _send(self, message: FromWorker) -> None:
+        if self._gateway is not None:
+            self._gateway.write(encode_line(message))
+
+
+def work(request: GameRequest, path: Path, token: str) -> None:
+    """Run a worker; this is the main function of its process."""
+    # Ctrl-C in the terminal is for the gateway, which then ends the games.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.setsid()
+    asyncio.run(Worker(request, path, token).run())
+
+

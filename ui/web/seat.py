@@ -1,0 +1,243 @@
+"""Seat of a person in a game: the model of their page on the server, connected to the game and to their browser."""
+
+import asyncio
+import base64
+import hashlib
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import msgspec
+
+from thbridge.dialogue.wording.texts import Texts
+from thbridge.roles.shared.notices import FloorPlan
+from thbridge.roles.shared.view import GiveConsent
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.reconnecting import ConnectionLost
+from ui.model.playing.answer_guard import AnswerGuard
+from ui.model.playing.keys import act_for
+from ui.model.playing.participant import ComposedScreen, Participant
+from ui.model.playing.practice import advice
+from ui.model.playing.screen import Act, DeclineConsentAct, GoOnFromGame, Phase, ShowSettings
+from ui.sources.game import GameConnection, ReceivedEvent, ServerReached
+from ui.web.page.floor import floor_shapes
+from ui.web.page.game_page import GamePage, GamePageMaker
+from ui.web.page.messages import ActDone, FromGamePage, KeyPressed, PagePainted, decode_act
+from ui.web.page.patches import Json, patch, tree
+
+PAGE_PERIOD = 1.0 / 15.0
+"""Seconds between two pages, unless the person acts: robots glide between two pages."""
+
+POLL_PERIOD = 0.01
+"""Seconds between two polls of the game."""
+
+MOST_UNSEEN = 8
+"""Largest number of sent pages that the browser has not painted yet; until it paints one, no further page is sent. The
+next page then contains the latest state, and the states between are never sent."""
+
+
+@dataclass(slots=True)
+class _SentPage:
+    """Page that was sent, until the browser has painted a later one."""
+
+    composed: ComposedScreen | None
+    acting: bool
+
+
+@dataclass(slots=True)
+class PageStream:
+    """Pages that one browser has received, as differences.
+
+    A browser that connects, or connects again, gets a new stream: its first page is complete.
+
+    Args:
+        send: function that sends one message.
+    """
+
+    send: Callable[[dict[str, Json]], None]
+    page: GamePage | None = None
+    texts: Texts | None = None
+    floor: FloorPlan | None = None
+    pictures: set[str] = field(default_factory=set)
+    unseen: dict[int, _SentPage] = field(default_factory=dict)
+    seen: _SentPage | None = None
+    guard: AnswerGuard = field(default_factory=AnswerGuard)
+
+
+class GameSeat:
+    """Seat of one person in one game.
+
+    Args:
+        where: address of the game's text server.
+        token: id of the person's program; see `GameConnection`.
+        texts: texts until the game has sent its own.
+        practice: True for the practice game.
+        once: True if only one game is played, and another part of a study follows.
+        agreed_at: time at which the person gave consent; empty if they were not asked.
+        clock: monotonic clock, seconds.
+
+    Attributes:
+        went_on: True after the person has left the game for the next part of the study.
+        seen_over: True after the browser has shown the end of the game.
+        declined: True after the person has declined to take part.
+    """
+
+    def __init__(
+        self,
+        where: ListeningAddress,
+        token: str,
+        texts: Texts,
+        *,
+        practice: bool = False,
+        once: bool = True,
+        agreed_at: str = "",
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._clock = clock
+        self._practice = practice
+        self._model = Participant(texts=texts, once=once)
+        self._events: list[ReceivedEvent] = []
+        consent = GiveConsent(agreed_at) if agreed_at else None
+        self._connection = GameConnection(where.host, where.port, token, self._events.append, consent)
+        self._maker = GamePageMaker(self._picture_id)
+        self._pictures: dict[str, bytes] = {}
+        self._ids: dict[int, tuple[bytes, str]] = {}
+        self._stream: PageStream | None = None
+        self._number = 0
+        self._acting = False
+        self._due = 0.0
+        self._stopped = False
+        self.went_on = self.seen_over = self.declined = False
+
+    async def run(self) -> None:
+        """Keep the seat connected to its game until `stop` is called."""
+        connected = asyncio.create_task(self._connection.run(lambda: self._stopped, POLL_PERIOD))
+        try:
+            while not self._stopped:
+                self.refresh()
+                await asyncio.sleep(POLL_PERIOD)
+            await connected
+        finally:
+            connected.cancel()
+
+    def stop(self) -> None:
+        """Leave the game."""
+        self._stopped = True
+
+    def show_to(self, send: Callable[[dict[str, Json]], None] | None) -> None:
+        """Send all pages to this browser from now on, beginning with a complete page. If None, send no pages."""
+        self._stream = None if send is None else PageStream(send)
+        self._due = 0.0
+
+    def receive(self, message: FromGamePage) -> None:
+        """Process a message of the browser."""
+        stream = self._stream
+        if stream is None:
+            return
+        match message:
+            case PagePainted(number, at):
+                self._painted(stream, number, at / 1000.0)
+            case ActDone(number, at, given, on_map):
+                act = decode_act(given)
+                if act is not None:
+                    self._do(stream, act, number, at / 1000.0, on_map=on_map)
+            case KeyPressed(number, at, key):
+                sent = self._sent(stream, number)
+                act = None if sent is None or sent.composed is None else act_for(key, sent.composed.screen)
+                if act is not None:
+                    self._do(stream, act, number, at / 1000.0)
+
+    def refresh(self) -> None:
+        """Pass the events of the game to the model, and send a page if one is due and differs from the last."""
+        now = self._clock()
+        events, self._events[:] = list(self._events), []
+        for received in events:
+            match received.event:
+                case ServerReached():
+                    self._model.connected(received.time)
+                case ConnectionLost():
+                    self._model.lost("", received.time)
+                case notice:
+                    self._model.receive(notice, received.time)
+        self._connection.requested = self._model.requests()
+        if now >= self._due:
+            self._due = now + PAGE_PERIOD
+            self._send_page(now)
+
+    def _send_page(self, now: float) -> None:
+        stream = self._stream
+        if stream is None or len(stream.unseen) >= MOST_UNSEEN:
+            return
+        screen = self._model.screen(now)
+        texts = self._model.texts
+        plan = self._model.floor_plan
+        if plan is not None and plan is not stream.floor:
+            stream.floor = plan
+            stream.send({"t": "floor", "floor": tree(floor_shapes(plan))})
+        advise = advice(texts, screen) if self._practice else ""
+        page = self._maker.page(texts, screen, self._model.robots(now), self._model.followed, advise)
+        for picture in (page.enlarged, *(each.picture for each in (page.dialogue, page.treasure) if each is not None)):
+            if picture and picture not in stream.pictures:
+                stream.pictures.add(picture)
+                data = base64.b64encode(self._pictures[picture]).decode("ascii")
+                stream.send({"t": "picture", "id": picture, "data": data})
+        difference = {"v": tree(page)} if stream.page is None else patch(stream.page, page)
+        if difference is None:
+            return
+        self._number += 1
+        stream.page = page
+        stream.unseen[self._number] = _SentPage(self._model.composed, self._acting)
+        self._acting = False
+        stream.send({"t": "page", "n": self._number, "p": difference})
+
+    def _painted(self, stream: PageStream, number: int, at: float) -> None:
+        """Note that the browser shows a page, and the pages before it no longer."""
+        if number not in stream.unseen:
+            return
+        before = None if stream.seen is None or stream.seen.composed is None else stream.seen.composed.screen
+        acting = any(stream.unseen[each].acting for each in stream.unseen if each <= number)
+        stream.seen = stream.unseen[number]
+        for earlier in [each for each in stream.unseen if each <= number]:
+            del stream.unseen[earlier]
+        if stream.seen.composed is not None:
+            stream.guard.show(stream.seen.composed.screen, before, at, acting=acting)
+            self.seen_over |= stream.seen.composed.screen.phase is Phase.OVER
+
+    def _sent(self, stream: PageStream, number: int) -> _SentPage | None:
+        """Return the page that a person acted on: a sent page that is not painted yet is never one."""
+        return stream.seen if number not in stream.unseen else None
+
+    def _do(self, stream: PageStream, act: Act, number: int, at: float, *, on_map: bool = False) -> None:
+        sent = self._sent(stream, number)
+        if sent is None or sent.composed is None or not stream.guard.admits(act, at, on_map=on_map):
+            return
+        match act:
+            case DeclineConsentAct():
+                self.declined = self._connection.declined = True
+            case GoOnFromGame():
+                self.went_on = True
+            case ShowSettings():
+                pass  # The browser has its own settings.
+            case _:
+                now = self._clock()
+                self._model.do(act, now, sent.composed)
+                self._acting = True
+                self._due = now
+                self.refresh()
+
+    def _picture_id(self, picture: bytes | None) -> str:
+        """Return the id of a picture, which is its digest."""
+        if picture is None:
+            return ""
+        known = self._ids.get(id(picture))
+        if known is None or known[0] is not picture:
+            digest = hashlib.blake2b(picture, digest_size=12).hexdigest()
+            self._pictures[digest] = picture
+            known = self._ids[id(picture)] = (picture, digest)
+        return known[1]
+
+
+def encoded(message: dict[str, Json]) -> str:
+    """Return a message as the text of a WebSocket frame."""
+    return msgspec.json.encode(message).decode()
+
