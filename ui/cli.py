@@ -33,6 +33,7 @@ class _Commands(CommandGroup):
 
     paths = {  # noqa: RUF012
         "play": "ui.commands.play:play",
+        "serve": "ui.commands.serve:serve",
         "server": "ui.commands.programs.programs:server",
         "simr": "ui.commands.programs.programs:simr",
         "hider": "ui.commands.programs.programs:hider",

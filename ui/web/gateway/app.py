@@ -1,9 +1,11 @@
 """Web application of the gateway: the page, its files, and the socket of each visitor."""
 
 import asyncio
+import re
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from contextlib import suppress
+from html import escape
 from pathlib import Path
 
 import msgspec
@@ -14,6 +16,7 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from thbridge.dialogue.wording.texts import Texts
 from ui.web.gateway.people import Visitor, Visitors
 from ui.web.page.theme_css import THEME_CSS
 
@@ -31,11 +34,18 @@ POLICY = (
 )
 
 
-def application(visitors: Visitors) -> Starlette:
-    """Return the application for these visitors."""
+_PLACEHOLDER = re.compile(r"\{\{([\w.]+)\}\}")
+
+
+def application(visitors: Visitors, texts: Texts) -> Starlette:
+    """Return the application for these visitors, with texts for the page before it is connected."""
+    index = _PLACEHOLDER.sub(
+        lambda word: texts.language if word[1] == "language" else escape(texts.text(word[1])),
+        (STATIC / "index.html").read_text(encoding="utf-8"),
+    )
 
     async def page(request: Request) -> Response:
-        response = HTMLResponse((STATIC / "index.html").read_text(encoding="utf-8"))
+        response = HTMLResponse(index)
         visitor = visitors.known(request.cookies.get(COOKIE, "")) or visitors.admit()
         secure = request.url.scheme == "https"
         response.set_cookie(COOKIE, visitor.secret, httponly=True, samesite="strict", secure=secure, path="/")

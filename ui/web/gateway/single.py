@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.roles.shared.notices import GameTexts
 from thbridge.study.study_file import Study
 from thbridge.timing.wall_clock import utc_now
@@ -17,11 +18,10 @@ from ui.model.kiosk import (
     GameToJoin,
     StudyTexts,
     TextToRead,
-    ToKiosk,
     WentOn,
 )
 from ui.web.gateway.browser_window import BrowserWindow
-from ui.web.pool.messages import FromWorker, GameReady, SeatWentOn
+from ui.web.pool.messages import FromWorker, SeatWentOn
 from ui.web.pool.pool import WorkerDied, WorkerPool
 from ui.web.pool.single_game import SingleGame
 
@@ -45,6 +45,11 @@ class SingleGames:
         self._pool = pool
         self._new_bag = new_bag
         self._max_seconds = max_seconds
+
+    @property
+    def texts(self) -> Texts:
+        """Texts of the study's language."""
+        return self._setting.texts
 
     def window(self) -> BrowserWindow:
         """Return a window in the study's language."""
@@ -78,14 +83,11 @@ class SingleGames:
         texts = self._setting.texts
         await window.send(GamePrepared(page, texts.text("pages.preparing", count=self._study.robots)))
         request = SingleGame(self._study, self._file, self._new_bag(), False, agreed_at, self._max_seconds)
-        pages: list[ToKiosk] = []
         went_on = False
 
         def news(message: FromWorker) -> None:
             nonlocal went_on
             went_on |= isinstance(message, SeatWentOn)
-            if isinstance(message, GameReady):
-                pages.append(GameToJoin(page + 1, "", 0, "", practice=False))
 
         try:
             async with self._pool.start(request, window.show, news) as game:
@@ -103,7 +105,7 @@ class SingleGames:
             await window.send(GameRecorded(page + 2, ended, texts.text("kiosk.go_on_when_ready")))
             while not isinstance(await _about(window, page + 2), WentOn):
                 pass
-        await window.send(TextToRead(0, texts.text("pages.thanks"), texts.text("pages.played"), ""))
+        await window.send(TextToRead(0, texts.text("pages.thanks"), texts.text("web.played"), ""))
 
 
 async def _about(window: BrowserWindow, page: int) -> FromKiosk:

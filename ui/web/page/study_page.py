@@ -269,6 +269,8 @@ PAGE_WORDS = (
     "window.possible_names",
     "window.what_was_said",
     "map.name",
+    "pages.before",
+    "pages.one_moment",
     "pages.question",
     "pages.game_over",
     "pages.rules_and_keys",
@@ -282,7 +284,6 @@ PAGE_WORDS = (
     "kiosk.stop_name",
     "kiosk.stop_hint",
     "kiosk.leave",
-    "kiosk.leave_text",
     "kiosk.go_on",
     "settings.title",
     "settings.look",
@@ -293,5 +294,9 @@ PAGE_WORDS = (
     "settings.sound",
     "settings.sound_on",
     "settings.close",
+    "web.lost",
+    "web.elsewhere",
+    "web.elsewhere_text",
+    "web.leave_text",
 )
 """Keys of the texts for the fixed parts of the page."""

@@ -1,6 +1,6 @@
 """Game of a study file, for one visitor."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from thbridge.app import play as hunt
@@ -46,7 +46,9 @@ class SingleGame:
 
     async def play(self, seat: SeatOfGame) -> Json:
         """Play the game; return its score, and the reason for its end."""
-        setting = setting_of(self.study, self.file)
+        # Many games run on one machine, so each takes any free port.
+        server = replace(self.study.server, host="127.0.0.1", port=0)
+        setting = setting_of(replace(self.study, server=server), self.file)
         if self.practice:
             setting = practice_setting(setting)
         inputs = None if self.bag is None else self.bag.with_suffix(".inputs")

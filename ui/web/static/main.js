@@ -1,0 +1,219 @@
+// Connects the page with the server, and shows what it sends: pages of the study, and the game.
+
+import { element, set } from "./dom.js";
+import { GamePage } from "./game.js";
+import { ConsentPage, FormPage, TextPage, WaitPage } from "./study.js";
+
+const PAGES = { text: TextPage, recorded: TextPage, consent: ConsentPage, wait: WaitPage, form: FormPage };
+const main = document.getElementById("main");
+const strip = document.getElementById("strip");
+const connection = document.getElementById("connection");
+const settings = document.getElementById("settings");
+const sheet = document.getElementById("sheet");
+
+let words = {};
+let socket = null;
+let page = null;
+let game = null;
+let retries = 0;
+let instructions = [];
+let ended = false;
+
+function send(message) {
+  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+}
+
+function connect() {
+  socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
+  socket.addEventListener("open", () => {
+    retries = 0;
+    connection.hidden = true;
+    send({ type: "FocusNews", has_focus: document.hasFocus(), window_ns: Math.round(performance.now() * 1e6) });
+  });
+  socket.addEventListener("message", ({ data }) => receive(JSON.parse(data)));
+  socket.addEventListener("close", ({ code }) => {
+    if (ended) return;
+    if (code === 4403) {
+      location.reload();
+      return;
+    }
+    set(connection, { text: words["web.lost"] ?? document.title, hidden: false });
+    setTimeout(connect, Math.min(250 * 2 ** retries++, 3000));
+  });
+}
+
+function receive(message) {
+  switch (message.t) {
+    case "ping":
+      send({ t: "pong", at: message.at, visible: document.visibilityState === "visible" });
+      break;
+    case "words":
+      words = message.words;
+      document.documentElement.lang = message.language;
+      break;
+    case "floor":
+    case "picture":
+    case "page":
+      game?.receive(message);
+      break;
+    case "game":
+      showGame(message);
+      break;
+    case "news":
+      showNews(message);
+      break;
+    case "instructions":
+      instructions = message.html;
+      showStrip();
+      break;
+    case "kept":
+      break;
+    case "taken over":
+    case "stopped":
+    case "closed":
+      ended = message.t !== "stopped";
+      showPage({ t: "text", page: 0, heading: message.heading ?? words["web.elsewhere"] ?? "", html: message.html ?? `<p>${words["web.elsewhere_text"] ?? ""}</p>`, button: "", code: null, step: "", share: 0 });
+      break;
+    case "recorded":
+      if (game && game.page?.phase === "over" && page?.message.page === message.page) break;
+      showPage(message);
+      break;
+    default:
+      showPage(message);
+  }
+}
+
+function replace(next) {
+  page?.close();
+  game?.close();
+  game = null;
+  page = next;
+  main.replaceChildren(next.element);
+  showStrip();
+}
+
+function showPage(message) {
+  if (page?.message && page.message.page === message.page && JSON.stringify(page.message) === JSON.stringify(message) && !game) return;
+  replace(new PAGES[message.t](message, send));
+  page.start();
+}
+
+function showGame(message) {
+  const shown = new GamePage(words, send, openSettings);
+  replace({ element: shown.element, message, close() {} });
+  game = shown;
+  showNews({ ...message, left: "", near: false });
+}
+
+let news = null;
+
+function showNews(message) {
+  news = message;
+  showStrip();
+  if (message.warn) set(document.getElementById("announcer"), { text: message.left });
+}
+
+function showStrip() {
+  const message = page?.message ?? {};
+  const parts = [];
+  if (message.step) parts.push(element("span", { class: "muted", text: message.step }), element("progress", { value: message.share, max: 1, "aria-label": message.step }));
+  if (game && news?.left) parts.push(element("span", { class: news.near ? "near" : "muted", text: news.left }));
+  if (game && message.practice && news) {
+    const back = element("button", { type: "button", class: "small", text: message.back, "aria-disabled": news.done ? null : "true" });
+    back.addEventListener("click", () => news.done && send({ type: "WentOn", page: message.page }));
+    parts.push(element("span", { class: "to-do", text: news.to_do }), back);
+  }
+  if (instructions.length) parts.push(stripButton("kiosk.read_again", readAgain, "kiosk.read_again_name"));
+  parts.push(stripButton("settings.title", openSettings));
+  if (message.step) parts.push(stripButton("kiosk.stop", askToStop, "kiosk.stop_name"));
+  strip.replaceChildren(...parts);
+  strip.hidden = !Object.keys(words).length;
+}
+
+function stripButton(key, press, spoken = null) {
+  const made = element("button", { type: "button", class: "quiet", text: words[key] ?? "", "aria-label": spoken ? words[spoken] : null });
+  made.addEventListener("click", press);
+  return made;
+}
+
+function openSheet(...parts) {
+  sheet.replaceChildren(...parts);
+  if (!sheet.open) sheet.showModal();
+}
+
+function closer(key, press = () => {}) {
+  const made = element("button", { type: "button", class: "plain", text: words[key] });
+  made.addEventListener("click", () => {
+    sheet.close();
+    press();
+  });
+  return made;
+}
+
+function readAgain() {
+  const body = element("div", { class: "body prose", tabindex: "0" });
+  body.innerHTML = instructions.join("<hr>"); // Made by the server, as in study.js.
+  send({ type: "InstructionsNews", is_open: true, window_ns: Math.round(performance.now() * 1e6) });
+  openSheet(element("h2", { text: words["pages.instructions"] }), body, element("footer", { class: "row end" }, closer("popups.close")));
+  sheet.addEventListener("close", () => send({ type: "InstructionsNews", is_open: false, window_ns: Math.round(performance.now() * 1e6) }), { once: true });
+}
+
+function askToStop() {
+  openSheet(
+    element("h2", { text: words["kiosk.leave"] }),
+    element("p", { text: words["web.leave_text"] }),
+    element("footer", { class: "row end" }, closer("kiosk.stop", () => send({ type: "StoppedTakingPart" })), closer("kiosk.go_on")),
+  );
+}
+
+// Settings ------------------------------------------------------------------------------------------------------------
+
+const SIZES = [80, 90, 100, 115, 130, 150, 175, 200];
+
+function apply() {
+  document.documentElement.dataset.look = localStorage.getItem("look") ?? "system";
+  document.documentElement.style.fontSize = `${localStorage.getItem("size") ?? 100}%`;
+}
+
+function choice(label, options, current, choose) {
+  const chooser = element("select", {});
+  for (const [value, text] of options) chooser.append(element("option", { value, text, selected: value === current }));
+  chooser.addEventListener("change", () => choose(chooser.value));
+  return element("label", { class: "row" }, element("span", { text: label }), chooser);
+}
+
+function openSettings() {
+  const keep = (name) => (value) => {
+    localStorage.setItem(name, value);
+    apply();
+  };
+  const close = element("button", { type: "button", class: "main", text: words["settings.close"] });
+  close.addEventListener("click", () => settings.close());
+  settings.replaceChildren(
+    element("h2", { text: words["settings.title"] }),
+    choice(words["settings.look"], [["system", words["settings.look_system"]], ["light", words["settings.look_light"]], ["dark", words["settings.look_dark"]]], localStorage.getItem("look") ?? "system", keep("look")),
+    choice(words["settings.text_size"], SIZES.map((size) => [String(size), `${size} %`]), localStorage.getItem("size") ?? "100", keep("size")),
+    choice(words["settings.sound"], [["on", words["settings.sound_on"]], ["off", "–"]], localStorage.getItem("sound") ?? "on", keep("sound")),
+    element("footer", { class: "row end" }, close),
+  );
+  settings.showModal();
+}
+
+document.addEventListener("keydown", (event) => {
+  const size = Number(localStorage.getItem("size") ?? 100);
+  if (!event.ctrlKey) return;
+  const at = SIZES.indexOf(size);
+  const next = { "+": SIZES[at + 1], "-": SIZES[at - 1], 0: 100 }[event.key];
+  if (next) {
+    event.preventDefault();
+    localStorage.setItem("size", next);
+    apply();
+  }
+});
+for (const [kind, focus] of [["focus", true], ["blur", false]]) {
+  window.addEventListener(kind, () => send({ type: "FocusNews", has_focus: focus, window_ns: Math.round(performance.now() * 1e6) }));
+}
+document.addEventListener("visibilitychange", () => send({ type: "FocusNews", has_focus: document.visibilityState === "visible" && document.hasFocus(), window_ns: Math.round(performance.now() * 1e6) }));
+
+apply();
+connect();
