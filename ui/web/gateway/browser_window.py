@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 import msgspec
 
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.kiosk import KIOSK, FromKiosk, GameToJoin, KioskClosed, StudyTexts, ToKiosk
+from ui.model.kiosk import KIOSK, FromKiosk, GameSeenOver, GameToJoin, KioskClosed, StudyTexts, ToKiosk, WentOn
 from ui.web.page.study_page import StudyPageMaker
 from ui.web.pool.pool import HostedGame
 
@@ -30,13 +30,19 @@ class BrowserWindow:
         self._requests: asyncio.Queue[FromKiosk] = asyncio.Queue()
         self._send_text: Callable[[str], None] | None = None
         self._game: HostedGame | None = None
+        self._game_page = 0
 
     # The study's side
 
     async def send(self, message: ToKiosk) -> None:
         """Show a message; a browser that connects later receives it too, if it still matters."""
         self._kept = list(KIOSK.kept(self._kept, message))
+        if isinstance(message, GameToJoin):
+            self._game_page = message.page
         self._show(message)
+        if isinstance(message, GameToJoin) and self._game is not None and self._send_text is not None:
+            # The page of the game exists only now, so everything that the game has sent before is sent again.
+            self._game.join()
 
     async def next_request(self) -> FromKiosk:
         """Wait for the next message of the browser."""
@@ -59,6 +65,14 @@ class BrowserWindow:
         self._game = game
         if game is not None and self._send_text is not None:
             game.join()
+
+    def note_seen_over(self) -> None:
+        """Report to the study that the browser shows the end of the game."""
+        self._requests.put_nowait(GameSeenOver(self._game_page))
+
+    def note_went_on(self) -> None:
+        """Report to the study that the person continues after the game."""
+        self._requests.put_nowait(WentOn(self._game_page))
 
     def show(self, text: str) -> None:
         """Pass on a message of the game to the browser."""
@@ -102,7 +116,3 @@ class BrowserWindow:
         if page is not None and self._send_text is not None:
             self._send_text(msgspec.json.encode(page).decode())
 
-
-def is_game(message: ToKiosk) -> bool:
-    """Return True if a message lets the browser join a game."""
-    return isinstance(message, GameToJoin)

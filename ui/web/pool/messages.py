@@ -57,20 +57,64 @@ class SeatDeclined(msgspec.Struct, frozen=True, tag="declined"):
     """Worker: the person does not take part in the study."""
 
 
+class GamePassed(msgspec.Struct, frozen=True, tag="passed"):
+    """Worker: times of the game, seconds; see `ui.hosting.kiosk.games.GameWatcher`."""
+
+    seconds: float
+    lag: float
+    left: float
+
+
+class StillToDo(msgspec.Struct, frozen=True, tag="to do"):
+    """Worker: what must still be done in a practice game, by the names of its terms."""
+
+    missing: dict[str, float]
+
+
+class TimeIsUp(msgspec.Struct, frozen=True, tag="time is up"):
+    """Worker: the time of the game is over."""
+
+
+class RecordingBrokenOff(msgspec.Struct, frozen=True, tag="broken off"):
+    """Worker: an earlier game was abandoned; `bag` is the path of its recording, or None."""
+
+    bag: str | None
+
+
+class RecordingCutOff(msgspec.Struct, frozen=True, tag="cut off"):
+    """Worker: the recording at this path ended with its program, and its game is resumed."""
+
+    bag: str
+
+
 class GameEnded(msgspec.Struct, frozen=True, tag="ended"):
     """Worker: the game has ended, and its files are complete.
 
     Attributes:
         result: result of the request in JSON.
+        declined: True if the person did not agree to take part.
         problem: sentence about the reason if the game could not be played; empty otherwise.
     """
 
     result: msgspec.Raw = msgspec.Raw(b"null")
     problem: str = ""
+    declined: bool = False
 
 
 ToWorker: TypeAlias = GatewayHello | BrowserJoined | BrowserLeft | FromBrowser | PersonLeft
-FromWorker: TypeAlias = ToBrowser | GameReady | SeatSeenOver | SeatWentOn | SeatDeclined | GameEnded
+FromWorker: TypeAlias = (
+    ToBrowser
+    | GameReady
+    | SeatSeenOver
+    | SeatWentOn
+    | SeatDeclined
+    | GamePassed
+    | StillToDo
+    | TimeIsUp
+    | RecordingBrokenOff
+    | RecordingCutOff
+    | GameEnded
+)
 
 TO_WORKER = msgspec.json.Decoder(ToWorker)
 FROM_WORKER = msgspec.json.Decoder(FromWorker)

@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from thbridge.app import play as hunt
-from thbridge.app.consent import ParticipantDeclined
 from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue.wording.texts import Texts
@@ -69,8 +68,6 @@ class SingleGame:
 
         try:
             outcome = await hunt.play(setting, None, options, ready, _ignore)
-        except ParticipantDeclined:
-            return None
         except HuntUnfinished as early:
             outcome = early.outcome
         return {"score": outcome.score, "over": outcome.over}

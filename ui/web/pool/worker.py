@@ -12,6 +12,7 @@ from typing import Protocol
 
 import msgspec
 
+from thbridge.app.consent import ParticipantDeclined
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.errors import BadFile
 from thbridge.sockets.addresses import ListeningAddress
@@ -54,6 +55,12 @@ class SeatOfGame(Protocol):
 
     def has_seen_end(self) -> bool:
         """Return True if the person's browser shows the end of the game."""
+
+    def report(self, message: FromWorker) -> None:
+        """Send a message to the gateway that is connected now."""
+
+    def note(self, message: FromWorker) -> None:
+        """Send a message to the gateway, also to one that connects later."""
 
 
 class GameRequest(Protocol):
@@ -99,7 +106,7 @@ class Worker:
         async with server:
             ended = await self._play()
             await self._leave_seat()
-            self._note(ended)
+            self.note(ended)
             with suppress(TimeoutError):
                 async with asyncio.timeout(GATEWAY_TIMEOUT):
                     await self._connected.wait()
@@ -111,6 +118,8 @@ class Worker:
     async def _play(self) -> GameEnded:
         try:
             result = await self._request.play(self)
+        except ParticipantDeclined as declined:
+            return GameEnded(declined=declined.answered)
         except BadFile as bad:
             return GameEnded(problem=str(bad))
         return GameEnded(msgspec.Raw(msgspec.json.encode(result)))
@@ -132,7 +141,7 @@ class Worker:
         self._seat, self._seated = seat, asyncio.create_task(seat.run())
         if self._browser:
             seat.show_to(self._show)
-        self._note(GameReady())
+        self.note(GameReady())
 
     def has_left(self) -> bool:
         """See `SeatOfGame`."""
@@ -145,7 +154,7 @@ class Worker:
             ):
                 if happened and type(message) not in self._reported:
                     self._reported.add(type(message))
-                    self._note(message)
+                    self.note(message)
         return self._left or (seat is not None and (seat.went_on or seat.declined))
 
     def has_seen_end(self) -> bool:
@@ -207,14 +216,15 @@ class Worker:
             self._seat.show_to(None)
 
     def _show(self, message: dict[str, Json]) -> None:
-        self._send(ToBrowser(msgspec.json.encode(message).decode()))
+        self.report(ToBrowser(msgspec.json.encode(message).decode()))
 
-    def _note(self, message: FromWorker) -> None:
-        """Send a message that a later gateway must also receive."""
+    def note(self, message: FromWorker) -> None:
+        """See `SeatOfGame`."""
         self._state.append(message)
-        self._send(message)
+        self.report(message)
 
-    def _send(self, message: FromWorker) -> None:
+    def report(self, message: FromWorker) -> None:
+        """See `SeatOfGame`."""
         if self._gateway is not None:
             self._gateway.write(encode_line(message))
 

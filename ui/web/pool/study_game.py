@@ -1,0 +1,96 @@
+"""Game of a study with people: a trial or a practice game of one person."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.app.compose.setting import texts_of
+from thbridge.dialogue.wording.texts import Texts
+from thbridge.experiment.design.plan import PlannedStep
+from thbridge.experiment.design.steps import PracticeTerm
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.progress import Run
+from thbridge.sockets.addresses import ListeningAddress
+from ui.hosting.kiosk.games import StudyGames
+from ui.web.page.patches import Json, tree
+from ui.web.pool.messages import GamePassed, RecordingBrokenOff, RecordingCutOff, StillToDo, TimeIsUp
+from ui.web.pool.worker import SeatOfGame
+
+PASSED_PERIOD = 0.5
+"""Simulated seconds between two reports of the times of a game."""
+
+
+@dataclass(frozen=True, slots=True)
+class StudyGame:
+    """Game of a person in a study; see `GameRequest`.
+
+    Attributes:
+        folder: folder of the study.
+        run: run of the person.
+        step: step of the game.
+        practice: True for a practice game.
+        goes_on: True to resume a game that an earlier worker began.
+        agreed_at: time at which the person gave consent; empty if they were not asked.
+        once: True because another step follows.
+    """
+
+    folder: Path
+    run: Run
+    step: PlannedStep
+    practice: bool
+    goes_on: bool
+    agreed_at: str
+    once: bool = True
+
+    def texts(self) -> Texts:
+        """See `GameRequest`."""
+        design = ExperimentFolder(self.folder).read()
+        return texts_of(design.study, design.beside)
+
+    async def play(self, seat: SeatOfGame) -> Json:
+        """Play the game; return its entry in the log, or the counts of a practice game."""
+        folder = ExperimentFolder(self.folder)
+        games, watcher = StudyGames(folder, folder.read()), _SeatWatcher(seat)
+        if self.practice:
+            count = await games.practise(self.run, self.step, watcher)
+            missing: dict[str, Json] = {str(term): number for term, number in count.missing.items()}
+            return {"data": tree(count.data), "missing": missing}
+        return tree(await games.play(self.run, self.step, watcher, goes_on=self.goes_on))
+
+
+class _SeatWatcher:
+    """Watcher of a game that passes everything on to the gateway; see `GameWatcher` for the methods."""
+
+    def __init__(self, seat: SeatOfGame) -> None:
+        self._seat = seat
+        self._passed = -PASSED_PERIOD
+        self._missing: dict[str, float] | None = None
+
+    def ready(self, where: ListeningAddress) -> None:
+        self._seat.ready(where)
+
+    def passed(self, seconds: float, lag: float, left: float) -> None:
+        if seconds - self._passed >= PASSED_PERIOD:
+            self._passed = seconds
+            self._seat.report(GamePassed(seconds, lag, left))
+
+    def still_to_do(self, missing: Mapping[PracticeTerm, float]) -> None:
+        named = {str(term): float(number) for term, number in missing.items()}
+        if named != self._missing:
+            self._missing = named
+            self._seat.note(StillToDo(named))
+
+    def time_is_up(self) -> None:
+        self._seat.note(TimeIsUp())
+
+    def has_left(self) -> bool:
+        return self._seat.has_left()
+
+    def has_seen_end(self) -> bool:
+        return self._seat.has_seen_end()
+
+    def broken_off(self, bag: Path | None) -> None:
+        self._seat.note(RecordingBrokenOff(None if bag is None else str(bag)))
+
+    def cut_off(self, bag: Path) -> None:
+        self._seat.note(RecordingCutOff(str(bag)))
