@@ -1,64 +1,96 @@
-"""`thbridge serve`: games in browsers, for many people at once."""
+"""`thbridge serve`: games and studies in browsers, for many people at once."""
 
+import secrets
+import socket
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ui.command_line.options import StudyFile
-from ui.command_line.terminal import BAD_INPUT, fail, note
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note
+
+if TYPE_CHECKING:
+    from ui.web.gateway.serving import ServerOptions
+
+Served = Annotated[
+    Path | None, typer.Argument(help="Study file, or folder of a study with people.", metavar="STUDY|FOLDER")
+]
 
 
 def serve(
-    study_file: StudyFile = None,
+    served: Served = None,
     host: Annotated[str, typer.Option(help="Address to listen on; 0.0.0.0 also accepts other machines.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="TCP port; 0 is any free port.", min=0, max=65535)] = 8080,
     games: Annotated[int, typer.Option(help="Greatest number of games at the same time.", min=1)] = 8,
-    folder: Annotated[Path, typer.Option(help="Folder for the recordings.")] = Path("served"),
-    tls_cert: Annotated[Path | None, typer.Option(help="Certificate of the server, a PEM file; for HTTPS.")] = None,
+    bags: Annotated[Path, typer.Option(help="Folder for recordings of games without a study folder.")] = Path("served"),
+    tls_cert: Annotated[Path | None, typer.Option(help="Certificate of the server, a PEM file, for HTTPS.")] = None,
     tls_key: Annotated[Path | None, typer.Option(help="Private key of the certificate, a PEM file.")] = None,
 ) -> None:
-    """Serve the game to browsers: each visitor of the page plays one game of the study, which is recorded."""
-    import math
-    import secrets
-    import socket
-
+    """Serve games to browsers: one game of a study file for each visitor, or a whole study with people."""
+    try:
+        from ui.web.gateway.serving import ServerOptions, serve_games
+    except ModuleNotFoundError as missing:
+        fail(BAD_INPUT, f"The package {missing.name} is not installed. Install it: pip install 'thbridge[web]'")
     from thbridge.files.disk.synced import make_folder
     from ui.command_line.event_loop import run
     from ui.command_line.settings import note_doubts, setting_of, study_of
     from ui.first_start.compiling import compile_ahead
 
-    try:
-        from ui.web.gateway.serving import serve_games
-    except ModuleNotFoundError as missing:
-        fail(BAD_INPUT, f"The package {missing.name} is not installed. Install it: pip install 'thbridge[web]'")
     if (tls_cert is None) != (tls_key is None):
         fail(BAD_INPUT, "--tls-cert and --tls-key belong together. Give both, or neither.")
-    study = study_of(study_file, {})
-    note_doubts(setting_of(study, study_file))
+    tls = None if tls_cert is None or tls_key is None else (tls_cert, tls_key)
+    listening = _listen(host, port)
+    shown = f"http{'' if tls is None else 's'}://{host}:{listening.getsockname()[1]}/"
+    options = ServerOptions(listening, games, tls, lambda: note(f"Open {shown} in a browser."))
+    if served is not None and served.is_dir():
+        _serve_folder(served, options)
+        return
+    study = study_of(served, {})
+    note_doubts(setting_of(study, served))
     compile_ahead(whole_hunt=True)
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    listening = socket.socket(family, socket.SOCK_STREAM)
+
+    def new_bag() -> Path:
+        make_folder(bags)
+        return bags / f"{secrets.token_hex(6)}.bag"
+
+    run(serve_games(study, served, new_bag, options))
+
+
+def _serve_folder(folder: Path, options: "ServerOptions") -> None:
+    from thbridge.experiment.check import read_for_people
+    from thbridge.experiment.conductor import Conductor
+    from thbridge.experiment.folder import ExperimentFolder
+    from thbridge.experiment.sockets.markers import MarkerStream
+    from thbridge.experiment.store.event_log import ExperimentLog
+    from thbridge.files.disk.synced import make_folder
+    from ui.command_line.event_loop import run
+    from ui.commands.study.unfinished import finish_begun_withdrawals
+    from ui.first_start.compiling import compile_ahead
+    from ui.web.gateway.serving import serve_study
+    from ui.web.gateway.study_visits import VisitClock
+
+    finish_begun_withdrawals(folder)
+    with bad_input():
+        place, clock = ExperimentFolder(folder), VisitClock()
+        design = read_for_people(place)
+    compile_ahead(whole_hunt=True)
+    with bad_input():
+        make_folder(place.log.parent)
+        log = ExperimentLog(place.log)
+    with log, MarkerStream(design.file.title, wanted=design.file.markers) as markers, bad_input(FAILED):
+        conductor = Conductor(design, log, markers.stamping(clock), secrets.randbelow)
+        conductor.listeners.append(markers.push)
+        for trouble in markers.troubles:
+            note(trouble)
+        run(serve_study(place, design, conductor, clock, note, options))
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    """Return a bound socket; end the program if the port is taken."""
+    listening = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_STREAM)
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((host, port))
     except OSError as error:
         fail(BAD_INPUT, f"Cannot listen on {host}:{port}: {error.strerror}. Choose another port with --port.")
-    shown = f"http{'' if tls_cert is None else 's'}://{host}:{listening.getsockname()[1]}/"
-
-    def new_bag() -> Path:
-        make_folder(folder)
-        return folder / f"{secrets.token_hex(6)}.bag"
-
-    run(
-        serve_games(
-            study,
-            study_file,
-            listening,
-            new_bag,
-            lambda: note(f"Open {shown} in a browser."),
-            games=games,
-            max_seconds=math.inf,
-            tls=None if tls_cert is None or tls_key is None else (tls_cert, tls_key),
-        )
-    )
+    return listening

@@ -16,7 +16,6 @@ from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import PracticeTerm, ResumeRule
 from thbridge.experiment.progress import Run
 from thbridge.experiment.store.events import Clocks, EventKind, JsonValue, RunState
-from thbridge.experiment.trials import PracticeCount
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.timing.wall_clock import utc_now
 from ui.hosting.kiosk import words
@@ -35,10 +34,22 @@ from ui.model.kiosk import (
 )
 
 
+class PracticeResult(Protocol):
+    """Counts of a practice game; see `PracticeCount`."""
+
+    @property
+    def data(self) -> dict[str, JsonValue]:
+        """Data for the log."""
+
+    @property
+    def missing(self) -> Mapping[PracticeTerm, float]:
+        """Amount of each term that the person must still do."""
+
+
 class GamesOfStudy(Protocol):
     """Player of games, such as `StudyGames`."""
 
-    async def practise(self, run: Run, step: PlannedStep, watcher: GameWatcher) -> PracticeCount:
+    async def practise(self, run: Run, step: PlannedStep, watcher: GameWatcher) -> PracticeResult:
         """Play the practice game; return the counts of the person's actions."""
 
     async def play(

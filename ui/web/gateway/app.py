@@ -34,6 +34,7 @@ POLICY = (
 )
 
 
+_SECRET = re.compile(r"[\w-]{32}")
 _PLACEHOLDER = re.compile(r"\{\{([\w.]+)\}\}")
 
 
@@ -46,7 +47,8 @@ def application(visitors: Visitors, texts: Texts) -> Starlette:
 
     async def page(request: Request) -> Response:
         response = HTMLResponse(index)
-        visitor = visitors.known(request.cookies.get(COOKIE, "")) or visitors.admit()
+        secret = request.cookies.get(COOKIE, "")
+        visitor = visitors.known(secret) or visitors.admit(secret if _SECRET.fullmatch(secret) else "")
         secure = request.url.scheme == "https"
         response.set_cookie(COOKIE, visitor.secret, httponly=True, samesite="strict", secure=secure, path="/")
         return _guarded(response)

@@ -35,11 +35,11 @@ class Visitors:
     """All visitors.
 
     Attributes:
-        begin: function that takes a new visitor through their course.
+        begin: function that takes a visitor through their course, given their window and their secret.
         make_window: function that returns a window for a new visitor.
     """
 
-    begin: Callable[[BrowserWindow], Awaitable[None]]
+    begin: Callable[[BrowserWindow, str], Awaitable[None]]
     make_window: Callable[[], BrowserWindow]
     _by_secret: dict[str, Visitor] = field(default_factory=dict)
 
@@ -47,11 +47,11 @@ class Visitors:
         """Return the visitor with this secret, if there is one."""
         return self._by_secret.get(secret)
 
-    def admit(self) -> Visitor:
-        """Return a new visitor, whose course begins."""
-        visitor = Visitor(secrets.token_urlsafe(24), self.make_window())
+    def admit(self, secret: str = "") -> Visitor:
+        """Return a new visitor, whose course begins; `secret` is that of a browser from before a restart."""
+        visitor = Visitor(secret or secrets.token_urlsafe(24), self.make_window())
         self._by_secret[visitor.secret] = visitor
-        visitor.course = asyncio.ensure_future(self.begin(visitor.window))
+        visitor.course = asyncio.ensure_future(self.begin(visitor.window, visitor.secret))
         return visitor
 
     async def end(self) -> None:

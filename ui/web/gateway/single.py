@@ -55,7 +55,7 @@ class SingleGames:
         """Return a window in the study's language."""
         return BrowserWindow(self._setting.texts)
 
-    async def visit(self, window: BrowserWindow) -> None:
+    async def visit(self, window: BrowserWindow, _secret: str) -> None:
         """Take a visitor through the course."""
         texts = self._setting.texts
         offer = offer_of(self._setting, given=True)

@@ -1,0 +1,131 @@
+"""Courses of many people through one study, each in their own browser."""
+
+import asyncio
+import contextlib
+from collections.abc import Callable
+from contextvars import ContextVar
+from pathlib import Path
+
+from thbridge.app.compose.setting import texts_of
+from thbridge.dialogue.wording.texts import Texts
+from thbridge.experiment.allocation.places import NoPlace
+from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.store.events import RunState
+from thbridge.files.errors import BadFile
+from thbridge.roles.shared.notices import GameTexts
+from ui.hosting.kiosk import words
+from ui.hosting.kiosk.course import StudyCourse
+from ui.hosting.kiosk.game_steps import StudyClock
+from ui.hosting.kiosk.games import KioskStopped
+from ui.hosting.kiosk.pages import KioskPages, RunOver
+from ui.model.kiosk import HostStops, StudyTexts, TextToRead, WentOn
+from ui.web.gateway.browser_window import BrowserWindow
+from ui.web.gateway.pooled_games import PooledGames
+from ui.web.gateway.tickets import Tickets
+from ui.web.pool.pool import WorkerPool
+
+
+class VisitClock(StudyClock):
+    """Clock of a study with many people: each person's task has the simulated time of its own game."""
+
+    def __init__(self) -> None:
+        self._simulated: ContextVar[float | None] = ContextVar("simulated", default=None)
+
+    @property
+    def simulated(self) -> float | None:
+        """Simulated time of the game that this task runs, seconds; None outside of games."""
+        return self._simulated.get()
+
+    @simulated.setter
+    def simulated(self, seconds: float | None) -> None:
+        self._simulated.set(seconds)
+
+
+class StudyVisits:
+    """Courses of all visitors of one study.
+
+    Args:
+        folder: folder of the study.
+        design: its design.
+        conductor: its conductor, which uses `clock`.
+        clock: clock of the log's events.
+        pool: pool of workers.
+        tickets: record of which browser belongs to which participant.
+        report: function that receives sentences about problems, for the researcher.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        design: ExperimentDesign,
+        conductor: Conductor,
+        clock: VisitClock,
+        pool: WorkerPool,
+        tickets: Tickets,
+        report: Callable[[str], None],
+    ) -> None:
+        self._folder = folder
+        self._design = design
+        self._conductor = conductor
+        self._clock = clock
+        self._pool = pool
+        self._tickets = tickets
+        self._report = report
+        self.texts: Texts = texts_of(design.study, design.beside)
+
+    def window(self) -> BrowserWindow:
+        """Return a window in the study's language."""
+        return BrowserWindow(self.texts)
+
+    async def visit(self, window: BrowserWindow, secret: str) -> None:
+        """Take a visitor through the study, from the step at which they are."""
+        await window.send(StudyTexts(GameTexts.of(self.texts)))
+        pages = KioskPages(self._conductor, window, self.texts)
+        games = PooledGames(self._folder, self._pool, window)
+        course = StudyCourse(self._design, self._conductor, pages, games, self._clock)
+        listening = asyncio.create_task(pages.listen())
+        try:
+            with contextlib.suppress(KioskStopped):
+                await self._go_through(course, pages, secret)
+        except BadFile as bad:
+            self._report(str(bad))
+            text = self.texts.text("kiosk.failed_text")
+            await window.send(HostStops(self.texts.text("kiosk.pauses"), text))
+        finally:
+            listening.cancel()
+            await asyncio.gather(listening, return_exceptions=True)
+
+    async def _go_through(self, course: StudyCourse, pages: KioskPages, secret: str) -> None:
+        participant = self._tickets.participant(secret)
+        run = self._conductor.progress.runs.get(participant)
+        if run is None:
+            participant = await self._admit(course, pages)
+            self._tickets.keep(secret, participant)
+            await course.go_through(participant)
+        elif run.state is RunState.UNDER_WAY:
+            pages.person = participant
+            with contextlib.suppress(RunOver):
+                await pages.read(TextToRead(0, *words.headed(self.texts, "restarted")))
+            await course.go_through(participant, again=True)
+        elif not run.farewell_read:
+            pages.person = participant
+            await course.part(participant)
+        text = self.texts.text("pages.close_window")
+        await pages.show(TextToRead(0, self.texts.text("kiosk.thank_you"), text, button=""))
+
+    async def _admit(self, course: StudyCourse, pages: KioskPages) -> str:
+        """Show the first page until a visitor has a place; return their id."""
+        texts = self.texts
+        await course.text_steps.send_instructions(None)
+        while True:
+            place = self._conductor.progress.next_place()
+            if isinstance(place, NoPlace):
+                await pages.show(TextToRead(0, *words.no_place(texts, place), button=texts.text("kiosk.continue")))
+            else:
+                begin = texts.text("kiosk.begin")
+                await pages.show(TextToRead(0, *words.headed(texts, "welcome"), button=begin, anew=True))
+            while not isinstance(await pages.next(), WentOn):
+                pass
+            if not isinstance(admitted := self._conductor.admit(), NoPlace):
+                return admitted.participant
