@@ -21,7 +21,7 @@ from ui.model.playing.practice import advice
 from ui.model.playing.screen import Act, DeclineConsentAct, GoOnFromGame, Phase, ShowSettings
 from ui.sources.game import GameConnection, ReceivedEvent, ServerReached
 from ui.web.page.floor import floor_shapes
-from ui.web.page.game_page import GamePage, GamePageMaker
+from ui.web.page.game_page import BrowserPage, BrowserPageMaker
 from ui.web.page.messages import ActDone, FromGamePage, KeyPressed, PagePainted, decode_act
 from ui.web.page.patches import Json, patch, tree
 
@@ -55,7 +55,7 @@ class PageStream:
     """
 
     send: Callable[[dict[str, Json]], None]
-    page: GamePage | None = None
+    page: BrowserPage | None = None
     texts: Texts | None = None
     floor: FloorPlan | None = None
     pictures: set[str] = field(default_factory=set)
@@ -99,7 +99,7 @@ class GameSeat:
         self._events: list[ReceivedEvent] = []
         consent = GiveConsent(agreed_at) if agreed_at else None
         self._connection = GameConnection(where.host, where.port, token, self._events.append, consent)
-        self._maker = GamePageMaker(self._picture_id)
+        self._maker = BrowserPageMaker(self._picture_id)
         self._pictures: dict[str, bytes] = {}
         self._ids: dict[int, tuple[bytes, str]] = {}
         self._stream: PageStream | None = None

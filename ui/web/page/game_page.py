@@ -308,7 +308,7 @@ class PageRobot:
 
 
 @dataclass(frozen=True, slots=True)
-class GamePage:
+class BrowserPage:
     """Everything that the page of a game shows.
 
     Attributes:
@@ -384,7 +384,7 @@ class GamePage:
     advise: str
 
 
-class GamePageMaker:
+class BrowserPageMaker:
     """Maker of a game's page from the screen of its model.
 
     Parts of a screen that are the same objects as before are not made again.
@@ -404,7 +404,7 @@ class GamePageMaker:
         robots: Iterable[RobotMark],
         followed: int | None,
         advise: str = "",
-    ) -> GamePage:
+    ) -> BrowserPage:
         """Return the page.
 
         Args:
@@ -416,7 +416,7 @@ class GamePageMaker:
         """
         button, kept = _ButtonMaker(texts), self._kept
         waiting, ending = screen.waiting, screen.ending
-        return GamePage(
+        return BrowserPage(
             phase=screen.phase.value,
             waiting_for=screen.waiting_for,
             consent=screen.consent,

@@ -87,7 +87,7 @@ class RecordingCutOff(msgspec.Struct, frozen=True, tag="cut off"):
     bag: str
 
 
-class GameEnded(msgspec.Struct, frozen=True, tag="ended"):
+class WorkerResult(msgspec.Struct, frozen=True, tag="ended"):
     """Worker: the game has ended, and its files are complete.
 
     Attributes:
@@ -113,7 +113,7 @@ FromWorker: TypeAlias = (
     | TimeIsUp
     | RecordingBrokenOff
     | RecordingCutOff
-    | GameEnded
+    | WorkerResult
 )
 
 TO_WORKER = msgspec.json.Decoder(ToWorker)

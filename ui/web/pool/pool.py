@@ -17,7 +17,7 @@ from ui.web.pool.messages import (
     BrowserLeft,
     FromBrowser,
     FromWorker,
-    GameEnded,
+    WorkerResult,
     GameReady,
     GatewayHello,
     PersonLeft,
@@ -75,7 +75,7 @@ class HostedGame:
         """End the game, because its person has left."""
         self._send(PersonLeft())
 
-    async def ended(self) -> GameEnded:
+    async def ended(self) -> WorkerResult:
         """Pass on all messages until the game has ended.
 
         Raises:
@@ -87,7 +87,7 @@ class HostedGame:
                 match message:
                     case ToBrowser(text):
                         self._shown(text)
-                    case GameEnded():
+                    case WorkerResult():
                         return message
                     case _:
                         self.news(message)

@@ -26,7 +26,7 @@ from ui.web.pool.messages import (
     BrowserLeft,
     FromBrowser,
     FromWorker,
-    GameEnded,
+    WorkerResult,
     GameReady,
     GatewayHello,
     PersonLeft,
@@ -115,14 +115,14 @@ class Worker:
                         self._gateway.close()
                         await self._gateway.wait_closed()
 
-    async def _play(self) -> GameEnded:
+    async def _play(self) -> WorkerResult:
         try:
             result = await self._request.play(self)
         except ParticipantDeclined as declined:
-            return GameEnded(declined=declined.answered)
+            return WorkerResult(declined=declined.answered)
         except BadFile as bad:
-            return GameEnded(problem=str(bad))
-        return GameEnded(msgspec.Raw(msgspec.json.encode(result)))
+            return WorkerResult(problem=str(bad))
+        return WorkerResult(msgspec.Raw(msgspec.json.encode(result)))
 
     # The game's side
 
