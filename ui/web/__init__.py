@@ -1,1 +1,1 @@
-"""Browser as a front end: pages of a game and a study on the server, a gateway for browsers, and the files they load."""
+"""Browser as a front end: pages as values, a gateway for browsers, workers that play games, and the page's files."""

@@ -240,4 +240,3 @@ class GameSeat:
 def encoded(message: dict[str, Json]) -> str:
     """Return a message as the text of a WebSocket frame."""
     return msgspec.json.encode(message).decode()
-

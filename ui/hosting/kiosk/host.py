@@ -7,7 +7,6 @@ import asyncio
 import contextlib
 from collections.abc import Coroutine
 
-
 from thbridge.app.compose.setting import texts_of
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor, unfinished

@@ -161,5 +161,3 @@ async def _receive(websocket: WebSocket, visitor: Visitor) -> None:
             visitor.visible = pong.visible
         else:
             visitor.window.receive(text)
-
-

@@ -115,4 +115,3 @@ class BrowserWindow:
         page = self._maker.page(message)
         if page is not None and self._send_text is not None:
             self._send_text(msgspec.json.encode(page).decode())
-

@@ -13,12 +13,11 @@ with one key:
 
 from dataclasses import fields, is_dataclass
 from enum import Enum
-from functools import cache
 from typing import TypeAlias
 
 from ui.model.playing.screen import Act
 
-Json: TypeAlias = "None | bool | int | float | str | list[Json] | dict[str, Json]"
+Json: TypeAlias = "bool | int | float | str | list[Json] | dict[str, Json] | None"
 
 
 def tree(value: object) -> Json:
@@ -74,6 +73,12 @@ def _patch_list(before: tuple[object, ...], after: tuple[object, ...]) -> dict[s
     return {"l": [len(after), changed, [tree(each) for each in after[len(before) :]]]}
 
 
-@cache
+_NAMES: dict[type, tuple[str, ...]] = {}
+
+
 def _names(kind: type) -> tuple[str, ...]:
-    return tuple(field.name for field in fields(kind))
+    """Return the names of a class's fields; computed once for each class."""
+    names = _NAMES.get(kind)
+    if names is None:
+        names = _NAMES[kind] = tuple(field.name for field in fields(kind))
+    return names

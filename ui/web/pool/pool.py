@@ -3,7 +3,7 @@
 import asyncio
 import multiprocessing
 import secrets
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from multiprocessing.context import ForkServerContext
 from pathlib import Path
@@ -17,12 +17,11 @@ from ui.web.pool.messages import (
     BrowserLeft,
     FromBrowser,
     FromWorker,
-    WorkerResult,
-    GameReady,
     GatewayHello,
     PersonLeft,
     ToBrowser,
     ToWorker,
+    WorkerResult,
     encode_line,
 )
 from ui.web.pool.worker import GameRequest, work
@@ -33,7 +32,7 @@ LOOK = 0.02
 """Seconds between two looks for a worker's socket."""
 
 
-class WorkerDied(Exception):
+class WorkerDied(Exception):  # noqa: N818 - the game is resumed
     """The worker's process has ended without a result."""
 
 
@@ -166,5 +165,3 @@ async def _connected(path: Path, alive: Callable[[], bool]) -> tuple[asyncio.Str
 
 def _nothing() -> None:
     """Do nothing: the process exists only to start the server of forks."""
-
-

@@ -5,7 +5,6 @@ import hmac
 import logging
 import os
 import signal
-from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
@@ -26,7 +25,6 @@ from ui.web.pool.messages import (
     BrowserLeft,
     FromBrowser,
     FromWorker,
-    WorkerResult,
     GameReady,
     GatewayHello,
     PersonLeft,
@@ -34,6 +32,7 @@ from ui.web.pool.messages import (
     SeatSeenOver,
     SeatWentOn,
     ToBrowser,
+    WorkerResult,
     encode_line,
 )
 from ui.web.seat import GameSeat
@@ -66,9 +65,17 @@ class SeatOfGame(Protocol):
 class GameRequest(Protocol):
     """Game that a worker plays; it is sent to the worker's process, so it must be possible to pickle it."""
 
-    practice: bool
-    once: bool
-    agreed_at: str
+    @property
+    def practice(self) -> bool:
+        """True for a practice game."""
+
+    @property
+    def once(self) -> bool:
+        """True if only one game is played, and another page follows."""
+
+    @property
+    def agreed_at(self) -> str:
+        """Time at which the person gave consent; empty if they were not asked."""
 
     def texts(self) -> Texts:
         """Return the texts until the game has sent its own."""
@@ -235,5 +242,3 @@ def work(request: GameRequest, path: Path, token: str) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.setsid()
     asyncio.run(Worker(request, path, token).run())
-
-

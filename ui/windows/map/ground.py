@@ -10,9 +10,9 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QColor, QPainter, QPixmap, QTransform
 
 from sim.numerics.float_array import FloatArray
+from ui.model.shared.map_geometry import FREE, WALL, MapGeometry
 from ui.model.shared.scene import RoomMark
 from ui.windows.map.box import MapBox
-from ui.model.shared.map_geometry import FREE, WALL, MapGeometry
 from ui.windows.map.item import Z_GROUND, CellImage, MapItem
 from ui.windows.map.rooms import paint_floors, paint_signs
 

@@ -19,9 +19,9 @@ from PySide6.QtGui import (
 )
 
 from sim.numerics.float_array import FloatArray
+from ui.model.shared.map_geometry import MapGeometry, contains
 from ui.model.shared.scene import RoomMark, RoomState
 from ui.model.shared.theme import Palette
-from ui.model.shared.map_geometry import MapGeometry, contains
 from ui.windows.map.lettering import sized, text_scale
 from ui.windows.map.points import mapped, polygon
 

@@ -13,12 +13,12 @@ from PySide6.QtWidgets import QGraphicsScene, QSizePolicy, QWidget
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.shared.notices import FloorPlan
+from ui.model.shared.map_geometry import contains, unpack
 from ui.model.shared.scene import RobotMark, RoomMark
 from ui.model.shared.theme import Palette
 from ui.windows import pointer
 from ui.windows.map.box import MapBox
 from ui.windows.map.changes import same_rooms, settled
-from ui.model.shared.map_geometry import contains, unpack
 from ui.windows.map.ground import Ground
 from ui.windows.map.item import Z_SCALE_BAR
 from ui.windows.map.lettering import fitting_font

@@ -7,8 +7,8 @@ import numpy as np
 from sim.common.geometry import Pose2
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.rooms import CORRIDOR
-from ui.model.shared.scene import VISITED, RobotMark, RoomMark
 from ui.model.shared.map_geometry import contains
+from ui.model.shared.scene import VISITED, RobotMark, RoomMark
 
 
 def describe(texts: Texts, rooms: Sequence[RoomMark], robots: Sequence[RobotMark]) -> str:

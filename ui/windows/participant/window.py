@@ -24,7 +24,7 @@ from PySide6.QtWidgets import (
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.roles.shared.notices import FloorPlan
 from ui.model.playing.answer_guard import AnswerGuard
-from ui.model.playing.keys import HELP, shown_key
+from ui.model.playing.keys import HELP
 from ui.model.playing.participant import Participant
 from ui.model.playing.screen import (
     Act,
@@ -36,7 +36,6 @@ from ui.model.playing.screen import (
     FollowRobot,
     GoOnFromGame,
     Phase,
-    RoomTile,
     Screen,
     SelectRoomAct,
     ShowSettings,
