@@ -40,7 +40,7 @@ from ui.web.seat import GameSeat
 _log = logging.getLogger(__name__)
 
 GATEWAY_TIMEOUT = 60.0
-"""Seconds for which a worker keeps the result of a game if no gateway is connected."""
+"""Seconds without a gateway after which a worker ends its game, or forgets its result."""
 
 
 class SeatOfGame(Protocol):
@@ -111,7 +111,9 @@ class Worker:
         """Play the game, and report its result to the gateway."""
         server = await asyncio.start_unix_server(self._serve, self._path, limit=LONGEST_LINE)
         async with server:
+            watching = asyncio.create_task(self._watch_gateway())
             ended = await self._play()
+            watching.cancel()
             await self._leave_seat()
             self.note(ended)
             with suppress(TimeoutError):
@@ -121,6 +123,17 @@ class Worker:
                         await self._gateway.drain()
                         self._gateway.close()
                         await self._gateway.wait_closed()
+
+    async def _watch_gateway(self) -> None:
+        """End the game if no gateway is connected for a while: no one can see it any more."""
+        while not self._left:
+            try:
+                async with asyncio.timeout(GATEWAY_TIMEOUT):
+                    await self._connected.wait()
+            except TimeoutError:
+                _log.warning("the gateway is gone; the game ends")
+                self._left = True
+            await asyncio.sleep(1.0)
 
     async def _play(self) -> WorkerResult:
         try:

@@ -87,7 +87,8 @@ export class GamePage {
     const waiting = this.#region("section", words["window.what_waits"], part.queue, part.waiting);
     part.history = element("ol", { class: "history", tabindex: "0", "aria-label": words["window.history"] });
     this.map = new GameMap(this.act, words["map.name"]);
-    part.area = element("div", { class: "area" }, this.map.element, part.banner, element("div", { class: "pops" }, part.dialogue, part.treasure, part.ending));
+    part.pops = element("div", { class: "pops" }, part.dialogue, part.treasure, part.ending);
+    part.area = element("div", { class: "area" }, this.map.element, part.banner, part.pops);
     part.column = element("div", { class: "column" }, part.cards, part.rooms);
     part.below = element("div", { class: "below" }, waiting, part.history);
     part.question = element("dialog", { class: "question" });
@@ -146,6 +147,7 @@ export class GamePage {
     this.#showPop("dialogue", page.dialogue, (made, pop) => this.#showDialogue(made, pop));
     this.#showPop("treasure", page.treasure, (made, pop) => this.#showTreasure(made, pop));
     this.#showPop("ending", page.treasure || page.dialogue ? null : page.ending, (made, pop) => this.#showQuestion(made, pop));
+    set(part.pops, { "data-wide": !!page.treasure });
     this.#showDialog(part.question, page.question, (made, asked) => this.#showQuestion(made, asked));
     this.#showDialog(part.help, page.help.length ? page : null, (made) => this.#showHelp(made));
     this.#showDialog(part.large, page.enlarged || null, (made, id) => set(made.firstChild, { src: this.pictures.get(id) }));

@@ -124,10 +124,11 @@ function showStrip() {
     parts.push(element("span", { class: "to-do", text: news.to_do }), back);
   }
   if (instructions.length) parts.push(stripButton("kiosk.read_again", readAgain, "kiosk.read_again_name"));
-  parts.push(stripButton("settings.title", openSettings));
+  // A game has its own button for the settings.
+  if (!game) parts.push(stripButton("settings.title", openSettings));
   if (message.step) parts.push(stripButton("kiosk.stop", askToStop, "kiosk.stop_name"));
   strip.replaceChildren(...parts);
-  strip.hidden = !Object.keys(words).length;
+  strip.hidden = !Object.keys(words).length || !parts.length;
 }
 
 function stripButton(key, press, spoken = null) {
