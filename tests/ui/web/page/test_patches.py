@@ -9,10 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.support.programs.browser_client import applied
 from tests.support.project import ROOT
 from ui.model.playing.screen import ChooseRobot
 from ui.web.page.messages import decode_act
-from ui.web.page.patches import Json, patch, tree
+from ui.web.page.patches import patch, tree
 
 
 @dataclass(frozen=True)
@@ -37,23 +38,6 @@ pages = st.builds(
     st.none() | leaves,
     st.lists(st.integers(0, 2), max_size=6).map(tuple),
 )
-
-
-def applied(before: Json, change: dict[str, Json]) -> Json:
-    """What `static/patches.js` does."""
-    if "v" in change:
-        return change["v"]
-    if "f" in change:
-        assert isinstance(before, dict)
-        fields = change["f"]
-        assert isinstance(fields, dict)
-        return {**before, **{name: applied(before[name], each) for name, each in fields.items()}}  # type: ignore[arg-type]
-    assert isinstance(before, list)
-    length, changes, added = change["l"]  # type: ignore[misc]
-    after = before[:length]
-    for index, each in changes.items():
-        after[int(index)] = applied(after[int(index)], each)
-    return [*after, *added]
 
 
 @given(pages, pages)

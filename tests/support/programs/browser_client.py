@@ -1,0 +1,110 @@
+"""Program that visits the gateway like a browser: it keeps the tree of the page, and paints every page at once."""
+
+import asyncio
+import http.client
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from websockets.asyncio.client import ClientConnection, connect
+
+
+@dataclass
+class BrowserClient:
+    """Browser at the gateway.
+
+    Attributes:
+        port: port of the gateway.
+        cookie: its cookie.
+        study: messages about pages of the study, newest last.
+        tree: tree of the game's page; empty before.
+        texts: all text that it has received, to be searched.
+    """
+
+    port: int
+    cookie: str = ""
+    study: list[dict[str, Any]] = field(default_factory=list)
+    tree: dict[str, Any] = field(default_factory=dict)
+    texts: list[str] = field(default_factory=list)
+    number: int = 0
+    _socket: ClientConnection | None = None
+    _reading: asyncio.Task[None] | None = None
+
+    def load(self) -> str:
+        """Load the page; keep the cookie."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
+        connection.request("GET", "/", headers={"Cookie": self.cookie} if self.cookie else {})
+        answer = connection.getresponse()
+        self.cookie = (answer.getheader("set-cookie") or "").partition(";")[0]
+        return answer.read().decode()
+
+    async def open(self, origin: str | None = None) -> None:
+        """Connect, and read from now on."""
+        self._socket = await connect(
+            f"ws://127.0.0.1:{self.port}/socket",
+            origin=origin or f"http://127.0.0.1:{self.port}",  # type: ignore[arg-type]
+            additional_headers={"Cookie": self.cookie},
+        )
+        self._reading = asyncio.create_task(self._read(self._socket))
+
+    async def close(self) -> None:
+        """Close the connection."""
+        if self._socket is not None:
+            await self._socket.close()
+        if self._reading is not None:
+            await asyncio.gather(self._reading, return_exceptions=True)
+
+    async def send(self, message: dict[str, Any]) -> None:
+        """Send a message."""
+        assert self._socket is not None
+        await self._socket.send(json.dumps(message, separators=(",", ":")))
+
+    async def press(self, key: str) -> None:
+        """Press a key."""
+        await self.send({"t": "key", "n": self.number, "at": self.now, "key": key})
+
+    async def act(self, act: dict[str, Any]) -> None:
+        """Press the button of an act."""
+        await self.send({"t": "act", "n": self.number, "at": self.now, "act": act, "on_map": False})
+
+    async def until(self, happened: Callable[[], object], seconds: float = 60.0) -> None:
+        """Wait for something."""
+        async with asyncio.timeout(seconds):
+            while not happened():
+                await asyncio.sleep(0.02)
+
+    @property
+    def now(self) -> float:
+        """The browser's clock, milliseconds."""
+        return time.monotonic() * 1000.0
+
+    async def _read(self, socket: ClientConnection) -> None:
+        async for text in socket:
+            self.texts.append(str(text))
+            message = json.loads(text)
+            match message["t"]:
+                case "ping":
+                    await self.send({"t": "pong", "at": message["at"], "visible": True})
+                case "page":
+                    self.tree = applied(self.tree, message["p"])
+                    self.number = message["n"]
+                    await self.send({"t": "painted", "n": self.number, "at": self.now})
+                case "floor" | "picture":
+                    pass
+                case _:
+                    self.study.append(message)
+
+
+def applied(before: Any, change: dict[str, Any]) -> Any:
+    """Apply a difference, as `ui/web/static/patches.js` does."""
+    if "v" in change:
+        return change["v"]
+    if "f" in change:
+        return {**before, **{name: applied(before[name], each) for name, each in change["f"].items()}}
+    length, changes, added = change["l"]
+    after = list(before[:length])
+    for index, each in changes.items():
+        after[int(index)] = applied(after[int(index)], each)
+    return [*after, *added]

@@ -1,0 +1,120 @@
+"""Games in browsers: real sockets, real worker processes, and programs in place of browsers."""
+
+import asyncio
+import socket
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from tests.support.programs.browser_client import BrowserClient
+from thbridge.study.study_file import ServerSection, Study
+from ui.web.gateway.serving import ServerOptions, serve_games
+
+STUDY = Study(map="practice", templates="practice", robots=1, rate=10.0, server=ServerSection(port=0))
+
+
+@asynccontextmanager
+async def served(folder: Path) -> AsyncIterator[int]:
+    """Serve games of the study; yield the port."""
+    listening = socket.create_server(("127.0.0.1", 0))
+    ready = asyncio.Event()
+    options = ServerOptions(listening, 2, None, ready.set)
+    bags = iter(range(100))
+    serving = asyncio.create_task(serve_games(STUDY, None, lambda: folder / f"{next(bags)}.bag", options))
+    await asyncio.wait([serving, asyncio.create_task(ready.wait())], return_when=asyncio.FIRST_COMPLETED)
+    try:
+        yield listening.getsockname()[1]
+    finally:
+        serving.cancel()
+        with suppress(asyncio.CancelledError):
+            await serving
+
+
+def scenario(folder: Path, play: Callable[[int], Awaitable[None]]) -> None:
+    async def run() -> None:
+        async with served(folder) as port:
+            await play(port)
+
+    asyncio.run(asyncio.wait_for(run(), 300.0))
+
+
+async def in_game(port: int) -> BrowserClient:
+    """Return a browser that has begun a game."""
+    browser = BrowserClient(port)
+    await asyncio.to_thread(browser.load)
+    await browser.open()
+    await browser.until(lambda: browser.study and browser.study[-1]["t"] == "text")
+    await browser.send({"type": "WentOn", "page": browser.study[-1]["page"]})
+    await browser.until(lambda: browser.tree.get("phase") == "playing" and browser.tree["tiles"])
+    return browser
+
+
+def test_a_visitor_plays_a_game_reloads_and_is_back_where_they_were(tmp_path: Path) -> None:
+    async def play(port: int) -> None:
+        browser = await in_game(port)
+        await asyncio.sleep(0.4)
+        await browser.act(browser.tree["tiles"][0]["choose"]["act"])
+        await browser.until(lambda: browser.tree["dialogue"] and browser.tree["dialogue"]["choices"])
+        said = browser.tree["dialogue"]["sentences"]
+        await browser.close()
+        again = BrowserClient(port, browser.cookie)
+        await asyncio.to_thread(again.load)
+        assert again.cookie == browser.cookie
+        await again.open()
+        await again.until(lambda: again.tree and again.tree["dialogue"])
+        assert again.tree["dialogue"]["sentences"][: len(said)] == said
+        await asyncio.sleep(0.4)
+        await again.press("Enter")
+        await again.until(lambda: len(again.tree["history"]) > len(said))
+        await again.close()
+
+    scenario(tmp_path, play)
+    assert len(list(tmp_path.glob("*.inputs"))) == 1
+
+
+def test_a_second_tab_takes_over_and_the_first_one_is_informed(tmp_path: Path) -> None:
+    async def play(port: int) -> None:
+        first = await in_game(port)
+        second = BrowserClient(port, first.cookie)
+        await second.open()
+        await second.until(lambda: second.tree.get("tiles"))
+        await first.until(lambda: first.study[-1]["t"] == "taken over")
+        with pytest.raises(ConnectionClosed):
+            for _ in range(200):
+                await first.press("F1")
+                await asyncio.sleep(0.02)
+        await second.close()
+
+    scenario(tmp_path, play)
+
+
+def test_foreign_pages_and_guessed_cookies_get_no_socket(tmp_path: Path) -> None:
+    async def play(port: int) -> None:
+        browser = BrowserClient(port)
+        await asyncio.to_thread(browser.load)
+        for cookie, origin in (
+            (browser.cookie, "http://elsewhere.example"),
+            ("thbridge=" + 32 * "A", None),
+            ("", None),
+        ):
+            guess = BrowserClient(port, cookie)
+            with pytest.raises(InvalidStatus):
+                await guess.open(origin)
+
+    scenario(tmp_path, play)
+    assert not list(tmp_path.glob("*.inputs"))
+
+
+def test_a_browser_receives_no_treasure_before_it_is_found(tmp_path: Path) -> None:
+    async def play(port: int) -> None:
+        browser = await in_game(port)
+        await asyncio.sleep(1.0)
+        received = " ".join(browser.texts).lower()
+        for name in ("green bottle", "green can", "green_bottle", "green_can"):
+            assert name not in received
+        await browser.close()
+
+    scenario(tmp_path, play)
