@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the programs that tests/peers uses. MAVLink clients, evo, roslibpy and Node.js are installed into .peers, with the
-# hashes in scripts/peers. The real ROS 1 tools, Java for the clients of 2016, and R for the scripts of exports (53 MB) are Debian
+# hashes in scripts/peers. The real ROS 1 tools, Java for the clients of 2016, Chromium, and R for the scripts of exports are Debian
 # packages, which only root can install. If a program is missing, its test is skipped with a message. Only tests need these
 # programs. This script requires .venv (make setup).
 set -uo pipefail
@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 . scripts/packages.sh
 
 # Each of these programs has its own environment, with the packages that the program needs without a screen.
-for client in mavsdk mavproxy dronekit evo roslibpy node; do
+for client in mavsdk mavproxy dronekit evo roslibpy selenium node; do
     there=.peers/$client
         # An environment works only with the Python that created it.
     wanted=$( (cat scripts/peers/$client.txt && .venv/bin/python -VV) | sha256sum)
@@ -42,7 +42,7 @@ packages="ros-core python3-roslaunch python3-rosmaster python3-rosbag python3-ro
     python3-rosservice python3-rosmsg python3-rosgraph python3-rospy python3-actionlib python3-tf2 python3-tf2-ros
     python3-dynamic-reconfigure python3-genpy rviz default-jdk-headless
     xvfb imagemagick xdotool libx11-6 dbus-daemon at-spi2-core python3-pyatspi python3-gi gir1.2-atspi-2.0 procps mount iproute2
-    r-base-core libfaketime"
+    r-base-core libfaketime chromium chromium-driver fonts-dejavu-core"
 for messages in std-msgs geometry-msgs sensor-msgs nav-msgs actionlib-msgs move-base-msgs tf2-msgs visualization-msgs \
     diagnostic-msgs rosgraph-msgs std-srvs; do
     packages="$packages python3-$messages ros-$messages"
@@ -55,7 +55,7 @@ done
 
 if [ "$(id -u)" != 0 ] || ! command -v apt-get >/dev/null; then
     if [ -n "$missing" ]; then
-        echo "The tests against the real ROS tools, Java and R will be skipped. To run them: sudo apt-get install$missing" >&2
+        echo "The tests against the real ROS tools, Java, Chromium and R will be skipped. To run them: sudo apt-get install$missing" >&2
     fi
     exit 0
 fi
