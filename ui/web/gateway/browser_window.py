@@ -1,6 +1,7 @@
 """Browser of one person as the window of a study: the same messages as the kiosk's window, over a WebSocket."""
 
 import asyncio
+import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
@@ -31,6 +32,7 @@ class BrowserWindow:
         self._send_text: Callable[[str], None] | None = None
         self._game: HostedGame | None = None
         self._game_page = 0
+        self._gone_at: float | None = time.monotonic()
 
     # The study's side
 
@@ -79,11 +81,16 @@ class BrowserWindow:
         if self._send_text is not None:
             self._send_text(text)
 
+    @property
+    def absence(self) -> float:
+        """Seconds since the browser was last connected; 0 while it is connected."""
+        return 0.0 if self._gone_at is None else time.monotonic() - self._gone_at
+
     # The browser's side
 
     def connect(self, send: Callable[[str], None]) -> None:
         """Show everything to this browser from now on."""
-        self._send_text = send
+        self._send_text, self._gone_at = send, None
         for message in self._kept:
             self._show(message)
         if self._game is not None:
@@ -91,7 +98,7 @@ class BrowserWindow:
 
     def disconnect(self) -> None:
         """Note that the browser is gone."""
-        self._send_text = None
+        self._send_text, self._gone_at = None, time.monotonic()
         if self._game is not None:
             self._game.part()
 

@@ -1,5 +1,6 @@
 """Course of a visitor to a study file: rules, consent, one game, thanks."""
 
+import asyncio
 from collections.abc import Callable
 from pathlib import Path
 
@@ -22,8 +23,11 @@ from ui.model.kiosk import (
 )
 from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.pool.messages import FromWorker, SeatWentOn
-from ui.web.pool.pool import WorkerDied, WorkerPool
+from ui.web.pool.pool import HostedGame, WorkerDied, WorkerPool
 from ui.web.pool.single_game import SingleGame
+
+MOST_ABSENCE = 300.0
+"""Seconds without the person's browser after which their game ends."""
 
 
 class SingleGames:
@@ -93,7 +97,11 @@ class SingleGames:
             async with self._pool.start(request, window.show, news) as game:
                 window.play(game)
                 await window.send(GameToJoin(page + 1, "", 0, "", practice=False))
-                await game.ended()
+                watching = asyncio.create_task(_watch(window, game))
+                try:
+                    await game.ended()
+                finally:
+                    watching.cancel()
         except WorkerDied:
             stopped = texts.text("kiosk.program_stopped")
             await window.send(TextToRead(0, stopped, texts.text("kiosk.cannot_go_on"), ""))
@@ -106,6 +114,13 @@ class SingleGames:
             while not isinstance(await _about(window, page + 2), WentOn):
                 pass
         await window.send(TextToRead(0, texts.text("pages.thanks"), texts.text("web.played"), ""))
+
+
+async def _watch(window: BrowserWindow, game: HostedGame) -> None:
+    """End a game whose person does not come back."""
+    while window.absence < MOST_ABSENCE:
+        await asyncio.sleep(1.0)
+    game.leave()
 
 
 async def _about(window: BrowserWindow, page: int) -> FromKiosk:
