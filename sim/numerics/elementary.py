@@ -295,7 +295,7 @@ def atan2(y: float, x: float) -> float:
 def arctangent(less: Real, greater: Real, near: Real, value_1: Real, value_2: Real) -> tuple[Real, Real]:
     """Return the arctangent of less / greater in two parts.
 
-    `value_1` and `value_2` are the two parts of the arctangent of `near`, a nearby number of six bits.
+    `value_1` and `value_2` are the two parts of the arctangent of `near`, the argument rounded to six bits.
     """
     greater_1, less_1 = leading(greater), leading(less)
     # Compute tan(a - b) from tan(a) and tan(b) as over / under. Products with the six bits of `near` are exact.

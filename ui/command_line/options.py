@@ -49,7 +49,7 @@ ProgressOption = Annotated[
     ProgressKind,
     typer.Option(
         "--progress",
-        help="Format of the progress on standard error. `auto`: a bar on a terminal, otherwise a line per minute. "
+        help="Form of the progress messages on standard error. `auto`: a bar on a terminal, otherwise a line per minute. "
         "`json`: one JSON object per line.",
     ),
 ]

@@ -9,7 +9,7 @@ from thbridge.credentials import Right
 from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail, note, out, say
 
 KeyFolder = Annotated[
-    Path, typer.Option("--keys", help="Folder of the keys; other commands use it with --keys and --watch-key.")
+    Path, typer.Option("--keys", help="Folder of the keys; give it to other commands with --keys or --watch-key.")
 ]
 KeyName = Annotated[str, typer.Argument(help="Name of the key's owner; it is recorded with the owner's actions.")]
 FOLDER = Path("keys")

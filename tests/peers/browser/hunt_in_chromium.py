@@ -113,7 +113,11 @@ def main():
             if not any(word in str(moved) for word in ("stale", "interact", "intercept")):
                 raise
     logged = [entry["message"] for entry in person.browser.get_log("browser") if entry["level"] == "SEVERE"]
-    print(json.dumps({"ended": ended, "score": score, "pages": sorted(person.seen), "errors": logged, "faults": person.faults}))
+    print(
+        json.dumps(
+            {"ended": ended, "score": score, "pages": sorted(person.seen), "errors": logged, "faults": person.faults}
+        )
+    )
     person.browser.quit()
 
 

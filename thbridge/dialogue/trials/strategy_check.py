@@ -66,7 +66,10 @@ class StrategyTrial:
             remedy = "Correct the strategy for the position below: it must return one of conversation.legal(number)"
             self._note(fault, remedy, _position(conversation, number))
         elif first != again:
-            remedy = "Let it depend only on manner, seed and conversation: keep no state, draw with the seed, sort sets"
+            remedy = (
+                "Keep no state between calls, draw random numbers only from the seed, and sort sets before you go through "
+                "them: only manner, seed and conversation may decide"
+            )
             chose = f"It chose {first.move}, then {again.move}"
             position = (*_position(conversation, number), chose)
             self._note("two requests for the same position gave different moves", remedy, position)

@@ -83,7 +83,8 @@ class ExperimentFile:
         default_factory=dict, metadata={"help": "keys of the study that override the study file"}
     )
     within: Mapping[str, str] = field(
-        default_factory=dict, metadata={"help": "factors within people: each participant plays at all levels"}
+        default_factory=dict,
+        metadata={"help": "within-participant factors: each participant plays with every level of the factor"},
     )
     between: Mapping[str, str] = field(
         default_factory=dict, metadata={"help": "factors between people: each participant plays at only one level"}

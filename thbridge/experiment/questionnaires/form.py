@@ -46,7 +46,7 @@ class Item:
     """An item of a form."""
 
     id: str = field(metadata={"help": "name of the item's column in the data: lower-case letters, digits and _"})
-    text: str = param("", "question or statement; optional for the scale differential")
+    text: str = param("", "question or statement; optional if the scale is `differential`")
     scale: Scale = param(Scale.LIKERT, "type of the answer")
     points: int = param(7, "number of points of a likert or differential scale", "", 2, 11)
     low: str = param("", "word at the lower end of the scale")

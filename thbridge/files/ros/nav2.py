@@ -347,7 +347,7 @@ class _Translation:
         return Section(parameters.line, entries + self._defaults(node.text, parameters.line, {*inner}, {}, defaults))
 
     def _plugin(self, name: Scalar, layer: Node | None) -> Node:
-        """Return a layer's entry in the list of ROS 1: {name, type}."""
+        """Return a layer's entry in the list `plugins` of ROS 1: {name, type}."""
         own = layer.entries if isinstance(layer, Section) else []
         usual = _scalar(_COSTMAP_PLUGINS.get(name.text, name.text), name.line)
         kind = next((child for key, child in own if key.text == "plugin" and isinstance(child, Scalar)), usual)

@@ -129,7 +129,7 @@ class TravelTimes:
 
 
 def _direction(points: FloatArray, steps: FloatArray) -> float:
-    """Return the direction of the first segment of (m, 2) points, radians. `steps` has (m - 1,) distances, meters."""
+    """Return the direction of the first segment of (m, 2) points, radians. `steps`: (m - 1,) distances, meters."""
     end = min(int(np.searchsorted(steps.cumsum(), _FIRST_STRETCH)) + 1, len(points) - 1)
     along = points[end] - points[0]
     return elementary.atan2(along[1], along[0])

@@ -77,7 +77,9 @@ def goto(
     heading: Annotated[
         float | None, typer.Option(help="Heading at the goal: degrees counterclockwise from east.")
     ] = None,
-    keep: Annotated[bool, typer.Option("--keep", help="Do not release command of the robot at the end.")] = False,
+    keep: Annotated[
+        bool, typer.Option("--keep", help="Keep control of the robot at the end, instead of giving it back.")
+    ] = False,
     signing_key: KeyFile = None,
 ) -> None:
     """Take command of a robot, send it to a point of the map, wait until it arrives, and release command.

@@ -21,7 +21,7 @@ def decided(points: int) -> RoomState:
 
 @dataclass(frozen=True, slots=True)
 class RoomMark:
-    """Mark of a room at the moment of drawing.
+    """Marks of a room on the map when it is drawn.
 
     Attributes:
         room: number of the room, from 1.

@@ -52,7 +52,7 @@ class TopicTree(QWidget):
         for topic in topics:
             item = QTreeWidgetItem([shown(topic.name), shown(topic.msgtype), str(topic.messages)])
             item.setTextAlignment(2, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-            item.setToolTip(0, "Open the topic to list its numbers. Tick numbers to plot them.")
+            item.setToolTip(0, "Expand the topic to list its numeric fields. Tick fields to plot them.")
             item.setChildIndicatorPolicy(QTreeWidgetItem.ChildIndicatorPolicy.ShowIndicator)
             item.setData(0, _FIELD, topic.name)
             self.tree.addTopLevelItem(item)
