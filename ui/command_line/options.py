@@ -49,8 +49,8 @@ ProgressOption = Annotated[
     ProgressKind,
     typer.Option(
         "--progress",
-        help="Form of the progress messages on standard error. `auto`: a bar on a terminal, otherwise a line per minute. "
-        "`json`: one JSON object per line.",
+        help="Form of the progress messages on standard error. `auto`: a bar on a terminal, otherwise a line per "
+        "minute. `json`: one JSON object per line.",
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, and nothing else.")]

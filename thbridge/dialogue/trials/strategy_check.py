@@ -67,8 +67,8 @@ class StrategyTrial:
             self._note(fault, remedy, _position(conversation, number))
         elif first != again:
             remedy = (
-                "Keep no state between calls, draw random numbers only from the seed, and sort sets before you go through "
-                "them: only manner, seed and conversation may decide"
+                "Keep no state between calls, draw random numbers only from the seed, and sort sets before you go "
+                "through them: only manner, seed and conversation may decide"
             )
             chose = f"It chose {first.move}, then {again.move}"
             position = (*_position(conversation, number), chose)

@@ -170,7 +170,8 @@ def _check(records: ExperimentRecords, index: int, entry: StepEntry, people: str
     )
     if any(item.correct_by_condition for item in asked) and design.conditions:
         yield from paragraph(
-            "If the right answer depended on the condition, the answer that was right in the participant's condition counted."
+            "If the right answer depended on the condition, the answer that was right in the participant's condition "
+            "counted."
         )
 
 
