@@ -35,15 +35,13 @@ POLICY = (
 
 
 _SECRET = re.compile(r"[\w-]{32}")
-_PLACEHOLDER = re.compile(r"\{\{([\w.]+)\}\}")
 
 
 def application(visitors: Visitors, texts: Texts) -> Starlette:
     """Return the application for these visitors, with texts for the page before it is connected."""
-    index = _PLACEHOLDER.sub(
-        lambda word: texts.language if word[1] == "language" else escape(texts.text(word[1])),
-        (STATIC / "index.html").read_text(encoding="utf-8"),
-    )
+    index = (STATIC / "index.html").read_text(encoding="utf-8").replace("{{language}}", texts.language)
+    for key in ("window.title", "pages.one_moment", "web.needs_newer", "web.needs_script"):
+        index = index.replace(f"{{{{{key}}}}}", escape(texts.text(key)))
 
     async def page(request: Request) -> Response:
         response = HTMLResponse(index)

@@ -51,7 +51,7 @@ class StudyVisits:
         conductor: its conductor, which uses `clock`.
         clock: clock of the log's events.
         pool: pool of workers.
-        tickets: record of which browser belongs to which participant.
+        tickets: record of browsers and their participants.
         report: function that receives sentences about problems, for the researcher.
     """
 

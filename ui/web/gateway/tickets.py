@@ -1,4 +1,4 @@
-"""Record of which browser belongs to which participant, so that people find their place again after a restart."""
+"""Record of browsers and their participants, so that people find their place again after a restart."""
 
 import hashlib
 import json

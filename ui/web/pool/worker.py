@@ -44,7 +44,7 @@ GATEWAY_TIMEOUT = 60.0
 
 
 class SeatOfGame(Protocol):
-    """What a request needs to seat its person; see `Worker`."""
+    """Seat of a person in a game that a request plays; see `Worker`."""
 
     def ready(self, where: ListeningAddress) -> None:
         """Seat the person at the game with this address."""
