@@ -26,7 +26,7 @@ def read_map_times(path: Path) -> CostMatrix:
     if len(rows) != nodes:
         raise BadFile(
             path,
-            f"{nodes} nodes need {nodes} rows, but there are {len(rows)}",
+            f"{nodes} nodes need {nodes} rows, but the file has {len(rows)}",
             "add or delete rows, or correct the first line",
             line=rows[nodes][0] if len(rows) > nodes else number,
             key="number of nodes",

@@ -212,7 +212,7 @@ def _property_faults(loaded: Loaded[_TreasuresYaml]) -> Iterator[BadFile]:
             yield loaded.fault(f"{key}.said", "this text does not contain the value", remedy)
         if each.told_by is Teller.PERSON and (each.cost or each.sensor):
             wrong = "cost" if each.cost else "sensor"
-            problem, remedy = "a report by people has no cost and no sensor", "delete the line, or write told_by: robot"
+            problem, remedy = "a report by people has no cost and no sensor", "delete this key, or write told_by: robot"
             yield loaded.fault(f"{key}.{wrong}", problem, remedy)
         if each.told_by is Teller.PERSON and len(each.values) < 2:
             problem = "people choose among the values, so at least two are needed"

@@ -47,7 +47,7 @@ FAULTS = [
     (PERSUASION, "stages:", "stages: [", "line 6: not YAML"),
     (PERSUASION, "opening: opening\n", "", "opening: missing"),
     # What words go together with.
-    (PERSUASION, "about: literal", "about: rule", "line 3, about: persuasion of"),
+    (PERSUASION, "about: literal", "about: rule", "line 3, about: this game replaces persuasion of"),
     (PERSUASION, ACCEPT, "{say: accept, of: argument, next: agreement}", "accept has no form with"),
     (
         PERSUASION,

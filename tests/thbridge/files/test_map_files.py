@@ -286,7 +286,7 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "no room": (
         edit("rooms.yaml", ROOMS, "rooms: []\nstarts: {poses: [[4, 1, 0]]}\n"),
-        "rooms.yaml, line 1, rooms: the map has no rooms. Add at least one.",
+        "rooms.yaml, line 1, rooms: the map has no rooms. Add at least one room.",
     ),
     "no start": (
         edit("rooms.yaml", "  poses: [[4, 1, 0]]\n  rows: [[[4, 2.2], [4, 3.3]]]\n", "  poses: []\n"),

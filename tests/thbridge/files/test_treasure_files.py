@@ -51,7 +51,7 @@ FAULTS = [
     ("name: weight,", "name: other_robot,", ["properties[1].name", "other_robot"]),
     ("name: weight,", "name: colour,", ["properties[1].name", "twice"]),
     ("sensor: scale", "sensor: scale, said: heavy", ["properties[1].said", "£weight£"]),
-    ("told_by: person", "told_by: person, cost: 3", ["properties[2].cost", "free"]),
+    ("told_by: person", "told_by: person, cost: 3", ["properties[2].cost", "no cost", "Delete this key"]),
     ("values: [wood, metal], told_by", "told_by", ["properties[2].values", "at least two"]),
     ("told_by: person", "told_by: cat", ["properties[2].told_by", "robot or person"]),
     ("drawn: colour", "drawn: sphere", ["properties[0].drawn", "shape"]),

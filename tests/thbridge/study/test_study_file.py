@@ -67,7 +67,7 @@ class TestRoundTrip:
     def test_the_commented_file_is_the_standard_study_and_names_every_field(self) -> None:
         text = commented_study()
         assert read_study_text(STUDY, text) == STANDARD
-        assert "  # energy of each robot at the start [0.01 to 1000000]\n  energy: 100.0\n" in text
+        assert "  # energy of each robot at the start of the game [0.01 to 1000000]\n  energy: 100.0\n" in text
         assert "    # maximum forward velocity [0 to 20 m/s]\n    max_vel_x: 1.0\n" in text
         assert "truth and fake_localization are the same [amcl, ekf, ukf, truth or fake_localization]" in text
 
@@ -334,7 +334,7 @@ class TestEach:
     @pytest.mark.parametrize(
         ("text", "told"),
         [
-            ("each: {3: {}}", "each.3: there is no robot 3: the study has 2. Write a number from 1 to 2, or raise"),
+            ("each: {3: {}}", "each.3: there is no robot 3: the study has 2. Write a number from 1 to 2, or increase"),
             ("each: {0: {}}", "each.0: '0' is not a valid number. Write a whole number, at least 1."),
             ("each: {1: {}, 1: {}}", "each.1: this key is written twice, first in line 1. Keep one of the two."),
             ("each: [1]", "each: a section is needed. Write 'NUMBER: {...}' lines."),
@@ -370,14 +370,14 @@ class TestFiles:
     @pytest.mark.parametrize(
         ("encoding", "letters", "told", "iconv"),
         [
-            ("latin-1", "ö", "line 2: byte 0xf6 is not UTF-8; it was probably saved as Latin-1. ", "ISO-8859-1"),
+            ("latin-1", "ö", "line 2: byte 0xf6 is not UTF-8; the file was probably saved as Latin-1. ", "ISO-8859-1"),
             (
                 "cp1252",
                 "„ö“",
-                "line 2: byte 0x84 is not UTF-8; it was probably saved as Windows-1252. ",
+                "line 2: byte 0x84 is not UTF-8; the file was probably saved as Windows-1252. ",
                 "WINDOWS-1252",
             ),
-            ("utf-16", "ö", "line 1: byte 0xff is not UTF-8; it was probably saved as UTF-16. ", "UTF-16"),
+            ("utf-16", "ö", "line 1: byte 0xff is not UTF-8; the file was probably saved as UTF-16. ", "UTF-16"),
             ("utf-16-le", "ö", "line 1: the text is not UTF-8; it was probably saved as UTF-16LE. ", "UTF-16LE"),
             ("utf-16-be", "ö", "line 1: the text is not UTF-8; it was probably saved as UTF-16BE. ", "UTF-16BE"),
         ],
@@ -395,7 +395,7 @@ class TestFiles:
     def test_an_encoding_that_is_not_known(self, tmp_path: Path) -> None:
         path = tmp_path / "other.yaml"
         path.write_bytes("map: größe Ê\n".encode("mac-roman") + b"# \x8d")
-        with pytest.raises(BadFile, match="it was probably saved as an encoding of another system") as refused:
+        with pytest.raises(BadFile, match="the file was probably saved as an encoding of another system") as refused:
             load_study(path)
         assert "iconv" not in str(refused.value)
 
@@ -504,4 +504,4 @@ class TestRecording:
 @pytest.mark.parametrize("section", ["server", "watch"])
 @pytest.mark.parametrize("host", ["a\\0b", "", "a\\nb", "x" * 300])
 def test_a_host_that_no_machine_can_have_is_refused(section: str, host: str) -> None:
-    assert f"line 1, {section}.host: not an address" in refusal(f'{section}: {{host: "{host}"}}')
+    assert f"line 1, {section}.host: this is not an address" in refusal(f'{section}: {{host: "{host}"}}')

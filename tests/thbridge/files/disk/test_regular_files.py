@@ -30,13 +30,13 @@ READERS: list[Callable[[Path], object]] = [
 @pytest.mark.parametrize("read", READERS)
 def test_a_pipe_in_a_files_place_is_refused_and_not_waited_for(read: Callable[[Path], object], tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(BadFile, match="it is a pipe, not a file"):
+    with pytest.raises(BadFile, match="this is a pipe, not a file"):
         read(tmp_path / "pipe")
 
 
 @pytest.mark.parametrize("read", READERS)
 def test_a_device_that_never_ends_is_refused(read: Callable[[Path], object]) -> None:
-    with pytest.raises(BadFile, match="it is a device, not a file"):
+    with pytest.raises(BadFile, match="this is a device, not a file"):
         read(Path("/dev/zero"))
 
 
@@ -56,7 +56,7 @@ def test_a_socket_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.chdir(tmp_path)
     with socket.socket(socket.AF_UNIX) as listening:
         listening.bind("socket")
-        with pytest.raises(BadFile, match="it is a socket"):
+        with pytest.raises(BadFile, match="this is a socket, not a file"):
             content_of(Path("socket"))
 
 

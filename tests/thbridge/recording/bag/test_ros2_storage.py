@@ -46,7 +46,7 @@ def test_a_file_of_kilobytes_that_unpacks_to_half_a_gigabyte_is_refused(
     packed.write_bytes(packed.read_bytes() + bomb(1 << 29))
     assert packed.stat().st_size < 1 << 17
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    with pytest.raises(BadFile, match="unpacks to more than"):
+    with pytest.raises(BadFile, match=r"the unpacked size is above the limit of \d+ bytes"):
         list(recorded(folder))
     kept = [path for path in tmp_path.rglob("*") if path.is_file() and path.parent != folder]
     assert kept == []
@@ -56,7 +56,7 @@ def test_a_message_of_kilobytes_that_unpacks_to_half_a_gigabyte_is_refused(tmp_p
     folder = written(tmp_path / "said", StoragePlugin.SQLITE3, CompressionMode.MESSAGE)
     with sqlite3.connect(folder / "said.db3") as database:
         database.execute("UPDATE messages SET data = ?", (bomb(1 << 29),))
-    with pytest.raises(BadFile, match="unpacks to more than"):
+    with pytest.raises(BadFile, match=r"the unpacked size is above the limit of \d+ bytes"):
         list(recorded(folder))
 
 
@@ -110,5 +110,5 @@ def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(tmp_path: Path, mode: C
     (stored,) = folder.glob("said*.mcap*")
     stored.unlink()
     os.mkfifo(stored)
-    with pytest.raises(BadFile, match="it is a pipe, not a file"):
+    with pytest.raises(BadFile, match="this is a pipe, not a file"):
         list(recorded(folder))
