@@ -365,7 +365,8 @@ def test_a_dead_robot_takes_no_parameters():
 
 
 def test_what_cannot_change_is_no_input():
-    with pytest.raises(ValueError, match=r"robot 0 cannot change .* ekf\.imu_used, .* move_base\.recovery_behaviors"):
+    told = r"robot 0: these parameters cannot change while it runs: ekf\.imu_used, .* move_base\.recovery_behaviors"
+    with pytest.raises(ValueError, match=told):
         team_of().step(
             [
                 SetSoftwareParameters(

@@ -75,7 +75,7 @@ def test_a_map_that_lies_nowhere_is_no_map() -> None:
     planted = clean()
     message = planted.of("/map")[0]
     message.message.info.origin.position.x = math.nan  # type: ignore[attr-defined]
-    with pytest.raises(ValueError, match="lies at nan"):
+    with pytest.raises(ValueError, match="has its origin at nan"):
         unpack.occupancy_grid(message.bytes())
 
 

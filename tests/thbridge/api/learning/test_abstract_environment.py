@@ -167,7 +167,7 @@ def test_pictures_are_drawn_on_request() -> None:
             "things: .* HuntEnv",
         ),
         (lambda: AbstractHuntEnv(STUDY).reset(options={"record": Path("x.bag")}), "Use HuntEnv"),
-        (lambda: AbstractHuntEnv(STUDY).step({}), "Reset the environment first"),
+        (lambda: AbstractHuntEnv(STUDY).step({}), "no episode is in progress. Call `reset` first"),
     ],
 )
 def test_faults_are_told(act: Callable[[], object], told: str) -> None:

@@ -223,8 +223,8 @@ def test_pictures_are_drawn_on_request() -> None:
     [
         (lambda: HuntEnv(STUDY, control="thoughts"), "Write rooms or velocity"),
         (lambda: HuntEnv(STUDY, step=0.001), "Give at least 0.02"),
-        (lambda: HuntEnv(STUDY, step="decision", control="velocity"), "Give seconds"),
-        (lambda: HuntEnv(STUDY).step({}), "Reset the environment first"),
+        (lambda: HuntEnv(STUDY, step="decision", control="velocity"), "Give a number of seconds"),
+        (lambda: HuntEnv(STUDY).step({}), "no episode is in progress. Call `reset` first"),
         (lambda: acted({"robot_1": 9}), "Choose an action from 0 to 8"),
         (lambda: acted({"robot_1": np.array([1.5, 0.0])}, control="velocity"), "Clip the action"),
     ],
