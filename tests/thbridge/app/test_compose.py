@@ -152,7 +152,8 @@ def test_a_set_without_costs_is_played_by_those_of_the_map_that_its_set_yaml_nam
 def test_moves_without_any_costs_are_told_with_the_folder_and_the_remedy(tmp_path: Path) -> None:
     shutil.copytree(shipped().root / "maps" / "arena8", tmp_path / "map")
     (tmp_path / "map" / "mapTimes").unlink()
-    with pytest.raises(BadFile, match=r"sklar-azhar-2015/mapTimes: neither .*`thbridge maps measure .*/map --out "):
+    told = r"sklar-azhar-2015/mapTimes: moves have no costs, because neither .*`thbridge maps measure .*/map --out "
+    with pytest.raises(BadFile, match=told):
         read_setting(Study(map="./map", templates="sklar-azhar-2015"), tmp_path)
 
 
@@ -160,7 +161,7 @@ def test_moves_on_a_map_are_not_priced_by_a_set_for_another_map(tmp_path: Path) 
     shutil.copytree(shipped().root / "maps" / "arena8", tmp_path / "mine")
     (tmp_path / "mine" / "mapTimes").unlink()
     study = Study(map="./mine", templates="original-2016")
-    with pytest.raises(BadFile, match=r"original-2016/mapTimes: its costs are for the map arena8, and "):
+    with pytest.raises(BadFile, match=r"original-2016/mapTimes: these costs are for the map arena8, and "):
         read_setting(study, tmp_path)
     asked_for = dataclasses.replace(study, game=GameSection(costs=Path("original-2016")))
     assert read_setting(asked_for, tmp_path).costs.rows[0][1:4] == OF_2016

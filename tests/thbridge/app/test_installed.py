@@ -112,7 +112,8 @@ def test_an_installed_strategy_is_told_of_the_manner_and_a_seed() -> None:
         ),
         (
             "sick",
-            r"sick: package lab-of-tests 1.0: it .* not today \(lab_of_tests.py, line \d+\). Name a class",
+            r"sick: package lab-of-tests 1.0: making the object failed: RuntimeError: "
+            r"not today \(lab_of_tests.py, line \d+\). Name a class",
         ),
         ("mute", r"mute: package lab-of-tests 1.0: the result is a str, which has no method choose. Name a class"),
     ],

@@ -558,7 +558,7 @@ def test_a_participant_who_plays_anew_makes_the_best_of_a_changed_study(hunt: Pa
 def test_bags_that_are_not_ours_are_refused(tmp_path: Path) -> None:
     with BagWriter(tmp_path / "foreign.bag") as writer:
         writer.write(RosMessage(Topic("/chatter", "std_msgs/String"), 10**9, b"\0\0\0\0"))
-    with pytest.raises(BadFile, match="no session of thbridge"):
+    with pytest.raises(BadFile, match=r"foreign\.bag: this bag is not a recording by thbridge"):
         session_of(tmp_path / "foreign.bag")
 
 
