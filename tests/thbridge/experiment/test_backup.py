@@ -76,7 +76,7 @@ def test_recordings_on_another_disk_are_in_the_backup(study: ExperimentFolder, t
     disk, to = tmp_path / "disk", tmp_path / "backup"
     study.recordings.rename(disk)
     study.recordings.symlink_to(disk)
-    with pytest.raises(BadFile, match="own folder"):
+    with pytest.raises(BadFile, match="inside the study's folder would be lost"):
         back_up(study, disk / "backup")
     assert back_up(study, to) == ()
     assert not (to / "recordings").is_symlink()

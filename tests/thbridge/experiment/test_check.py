@@ -363,7 +363,7 @@ def test_no_table_has_a_column_that_a_factor_may_be_called(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("{participant.shows.answers: false}", "{robots: 2}", "may bias their answers to feelings"),
+        ("{participant.shows.answers: false}", "{robots: 2}", "may bias their answers to the later form feelings"),
         ("  - {step: debrief, text: debrief.txt}\n", "", "No step explains the purpose of the study afterwards"),
         ("  - {step: practice, name: practice}\n", "", "There is no practice before the first trial"),
         ("quota: 4", "quota: 3", "The quota, 3, is not a multiple of the number of orders, 2"),
@@ -371,7 +371,11 @@ def test_no_table_has_a_column_that_a_factor_may_be_called(tmp_path: Path) -> No
         ("quota: 4", "quota: 4\nseeds: [5, 5]", "Two trials have the same seed"),
         ("attempts: 2, repeat: practice", "attempts: 1", "understood: a single wrong answer excludes a person"),
         ("recruitment: People came from the campus and were paid.\n", "", "these keys have no text: recruitment."),
-        ("12).\nsample_size_reason: As many", "[Write it]).\nsample_size_reason: As many", "written under ethics."),
+        (
+            "12).\nsample_size_reason: As many",
+            "[Write it]).\nsample_size_reason: As many",
+            "these keys have no text: ethics.",
+        ),
     ],
 )
 def test_what_a_reviewer_would_ask_is_advice(tmp_path: Path, old: str, new: str, told: str) -> None:

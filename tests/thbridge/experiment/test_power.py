@@ -62,7 +62,7 @@ def test_more_people_find_more_and_nothing_is_found_where_nothing_is(
 
 
 def test_workers_that_die_of_every_rehearsal_are_told(tmp_path: Path) -> None:
-    with pytest.raises(EngineFailed, match="3 workers died"):
+    with pytest.raises(EngineFailed, match="3 workers crashed"):
         estimate_power(tasks(tmp_path, "robots", PutInEffect("workload"), 1), InlineEngine(lambda _task: True))
 
 

@@ -168,7 +168,7 @@ def test_reliability_of_one_person_is_not_a_number() -> None:
 def test_an_attention_check_needs_its_right_answer(tmp_path: Path) -> None:
     file = tmp_path / "form.yaml"
     file.write_text("title: x\nitems:\n  - {id: a, text: Choose 2., attention: true}\n")
-    with pytest.raises(BadFile, match="needs its right answer") as raised:
+    with pytest.raises(BadFile, match="the attention check has no right answer") as raised:
         read_form(file)
     fault = getattr(raised.value, "faults", (raised.value,))[0]
     assert (fault.line, fault.key) == (3, "items[0].attention")

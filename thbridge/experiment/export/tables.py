@@ -135,7 +135,7 @@ def game_tables(records: ExperimentRecords) -> Iterator[ExperimentTable | str]:
             continue
         where = f"The recording of {trial.run.participant}, step {trial.attempt.step.number} ({trial.bag})"
         if trial.recording is not RecordingState.AS_RECORDED:
-            is_so = "is missing" if trial.recording is RecordingState.MISSING else "was changed"
+            is_so = "is missing" if trial.recording is RecordingState.MISSING else "was changed after recording"
             yield f"{where} {is_so}, so tables of games have no rows of this game."
             continue
         try:
