@@ -39,15 +39,15 @@ WORDS = (
     ),
     ReservedWord(
         "place",
-        "the room with its number and its name, if it has one: room 3 (Kitchen)",
+        "the room with its number, and with its name if it has a name: room 3 (Kitchen)",
         lambda topic, texts: texts.room(topic.room, name=topic.room_name),
     ),
-    ReservedWord("cost", "the energy of the proposal", lambda topic, texts: texts.number(topic.cost)),
-    ReservedWord("energy", "the energy that the robot has left", lambda topic, texts: texts.number(topic.energy)),
+    ReservedWord("cost", "the energy of the proposed action", lambda topic, texts: texts.number(topic.cost)),
+    ReservedWord("energy", "the remaining energy of the robot", lambda topic, texts: texts.number(topic.energy)),
     ReservedWord("robot", "the number of the robot", lambda topic, _: str(number_of(topic.robot))),
     ReservedWord(
         "other_robot",
-        "the number of the other robot with the lowest cost to the room",
+        "the number of the other robot that has the lowest cost to the room",
         lambda topic, _: "" if topic.other_robot is None else str(number_of(topic.other_robot)),
     ),
     ReservedWord(
@@ -55,7 +55,7 @@ WORDS = (
     ),
     ReservedWord(
         "confidence",
-        "the robot's confidence in its suggestion, in percent, if the study asks for it",
+        "the robot's confidence in its suggestion, in percent, if the study has this setting",
         lambda topic, texts: (
             "" if topic.confidence is None else texts.text("words.percent", number=f"{100.0 * topic.confidence:.0f}")
         ),
