@@ -60,5 +60,5 @@ def test_a_log_is_never_written_over(tmp_path):
 
 
 def test_a_folder_that_is_not_there_is_told(tmp_path):
-    with pytest.raises(BadFile, match="Give a folder"):
+    with pytest.raises(BadFile, match="Name a folder that exists"):
         TlogFile(tmp_path / "none" / "run.tlog")

@@ -232,7 +232,7 @@ def test_whoever_sends_nothing_but_garbage_is_not_listened_to_for_a_while(
             for _ in range(3):  # of a datagram, half of that is read
                 station.socket.sendto(bytes(GARBAGE_LIMIT + 1), vehicles)
             station.socket.sendto(PING.to_bytes(), vehicles)
-            await until(lambda: "and is ignored" in caplog.text)
+            await until(lambda: "is ignored for 0.2 s: it sends no valid frames" in caplog.text)
             assert station.hears_nothing()
             async with asyncio.timeout(PATIENCE):
                 while not exchange.received:
