@@ -138,7 +138,8 @@ def commanded(
     label = texts.text("cards.asked_back" if asked else "cards.ask_back")
     ask = Action(RequestHandbackAct(robot), label, key, not asked, hint="The ground station commands it.")
     shown = card(robot, selected=selected, state=state, texts=texts)
-    return replace(shown, stop=None, commander="ground station 255", ask_back=ask)
+    station = texts.clause("words.numbered_station", number="255")
+    return replace(shown, stop=None, commander=station, ask_back=ask)
 
 
 def left(robot: int, *, selected: bool = False, texts: Texts = ENGLISH) -> RobotCard:

@@ -132,7 +132,7 @@ def test_packages_that_are_missing_or_of_another_version_are_named() -> None:
     wanted = ["numpy>=999", "nonsense-of-nobody", "typer>=0.1", 'no-such-extra>=1; extra == "x"']
     requirements = [Requirement(line) for line in wanted]
     first, second = lacking(requirements, "")
-    assert re.fullmatch(r"numpy is [\d.]+, but >=999 is required", first)
+    assert re.fullmatch(r"numpy has version [\d.]+, but >=999 is required", first)
     assert second == "nonsense-of-nobody is not installed"
     assert list(lacking(requirements, "x")) == ["no-such-extra is not installed"]
 

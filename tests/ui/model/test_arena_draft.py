@@ -80,7 +80,7 @@ def test_what_cannot_be_is_refused_with_its_reason_and_changes_nothing(draft: Ar
     assert "A robot cannot turn" in refused(draft.move(ArenaHandle(1), 0.3, goal.y))
     assert "A robot cannot turn" in refused(draft.add_start(0.0, 0.0))
     assert "too near to the start pose of robot 1" in refused(draft.add_start(start.x + 0.2, start.y))
-    assert "in no room" in refused(draft.cut_room((1.0, 1.0), (2.0, 1.0)))
+    assert "must be in a room" in refused(draft.cut_room((1.0, 1.0), (2.0, 1.0)))
     assert "no free floor" in refused(draft.draw_room((0.2, 3.0), (3.8, 7.0)))
     assert "overlap another room" in refused(draft.move(corner, 6.0, 7.5))
     assert "stay on the map" in refused(draft.move(corner, -3.0, 1.0))
@@ -117,7 +117,7 @@ class TestPointer:
         pointer.press(start.x, start.y, 0.2)
         assert pointer.handle == ArenaHandle(0, 1)
         pointer.drag(start.x, 0.0)
-        assert "No robot can turn" in pointer.refusal
+        assert "A robot cannot turn" in pointer.refusal
         pointer.drag(10.0, 1.0)
         assert (pointer.shown.starts[1].x, pointer.draft.arena.starts[1].x) == (10.0, start.x)
         pointer.release()

@@ -275,10 +275,10 @@ def test_noise_is_what_is_typed_before_it_is_in_the_file() -> None:
 
 def test_a_verdict_tells_a_belief_that_fits_from_one_that_does_not() -> None:
     quiet = preview_of(Study(), preset(NoisePreset.PERFECT, noise_section_of(Study())))
-    assert "too sure" not in quiet.straight.verdict
+    assert "too little noise" not in quiet.straight.verdict
     sure = noise_from_form([], {})
     sure = with_value(with_value(sure, "believed.amcl.odom_alpha2", 0.0), "believed.amcl.odom_alpha1", 0.0)
-    assert "too sure" in preview_of(Study(), with_value(sure, "odometry.alpha2", 0.5)).straight.verdict
+    assert "too little noise" in preview_of(Study(), with_value(sure, "odometry.alpha2", 0.5)).straight.verdict
 
 
 def named(key: str, beside: Path, text: str = "") -> dict[str, str]:

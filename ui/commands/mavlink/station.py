@@ -134,7 +134,7 @@ def _known(value: float, digits: int) -> float | None:
 
 def sightings_table(robots: list[KnownRobot]) -> Table:
     """Return robots as a table."""
-    table = Table("robot", "mode", "armed", "commander", "x, y (m)", "energy", "frames/s", "lost frames")
+    table = Table("robot", "mode", "armed", "commander", "x, y (m)", "energy", "frames/s", "lost\nframes")
     for robot in robots:
         figures = sighting_as_json(robot)
         place = "" if math.isnan(robot.x) else f"{robot.x:.2f}, {robot.y:.2f}"

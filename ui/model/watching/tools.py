@@ -174,7 +174,7 @@ def _robot(scene: Scene, robot: int) -> RobotScene | RequestRefused:
 def _alive_robot(scene: Scene, robot: int) -> RobotScene | RequestRefused:
     found = _robot(scene, robot)
     if isinstance(found, RobotScene) and found.dead:
-        problem = f"The software of {found.name} has stopped. Restart it first (R)."
+        problem = f"The software of {found.name} has stopped. Revive the robot first (R)."
         return RequestRefused(ToolRefusalReason.DEAD, problem)
     return found
 

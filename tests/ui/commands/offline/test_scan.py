@@ -58,8 +58,8 @@ def test_a_batch_gives_a_list_for_each_pose(room, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((), "--pose, --batch: exactly one of the two"),
-        (("--pose", 0, 0, 0, "--batch", "poses.csv"), "--pose, --batch: exactly one of the two"),
+        ((), "--pose, --batch: exactly one of these options is needed. Write --pose"),
+        (("--pose", 0, 0, 0, "--batch", "poses.csv"), "--pose, --batch: exactly one of these options is needed"),
         (("--pose", 0, "nan", 0), "--pose: a value is not a finite number"),
         (("--pose", 0, 0, 0, "--angle-max", "inf"), "--angle-max: a value is not a finite number"),
         (("--batch", "none.csv"), "none.csv: there is no such file"),

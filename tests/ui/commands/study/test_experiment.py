@@ -122,4 +122,4 @@ def test_a_text_in_another_encoding_is_refused_by_the_check(folder: Path, name: 
     assert checked.exit_code == 2
     assert isinstance(checked.exception, SystemExit)
     assert f"{file.name}, line 1: " in checked.output
-    assert f"it was probably saved as {told}. Save the file with the encoding UTF-8" in checked.output
+    assert f"the file was probably saved as {told}. Save the file with the encoding UTF-8" in checked.output

@@ -275,7 +275,7 @@ def test_an_event_larger_than_any_is_refused(study: Path) -> None:
 def test_a_file_larger_than_any_log_is_refused_without_reading_it(study: Path, name: str) -> None:
     with (study / "store" / name).open("ab") as file:
         file.truncate(LARGEST_LOG + 1)
-    assert "is larger than" in str(refused(study))
+    assert f"{name}: the file has more than {LARGEST_LOG} bytes" in str(refused(study))
 
 
 @pytest.mark.parametrize("name", ["log", "log-head"])

@@ -279,14 +279,14 @@ def test_each_command_of_a_study_finishes_a_withdrawal_first(
 
 
 def test_a_backup_is_refused_where_it_would_do_harm(study: Path, tmp_path: Path) -> None:
-    assert "in the study's own folder" in refusal_of("study", "backup", study, "--to", study / "backup")
+    assert "a backup inside the study's folder" in refusal_of("study", "backup", study, "--to", study / "backup")
     (tmp_path / "photos").mkdir()
     (tmp_path / "photos" / "one.jpg").write_bytes(b"x")
     assert "do not belong to a backup" in refusal_of("study", "backup", study, "--to", tmp_path / "photos")
     backup = tmp_path / "backup"
     output_of("study", "backup", study, "--to", backup)
     output_of("study", "withdraw", backup, people(study)[0], "--yes")
-    assert "the study was run there" in refusal_of("study", "backup", study, "--to", backup)
+    assert "the study was run in this folder" in refusal_of("study", "backup", study, "--to", backup)
     new = tmp_path / "new"
     (recording,) = sorted((study / "recordings").rglob("*.bag"))[:1]
     recording.unlink()

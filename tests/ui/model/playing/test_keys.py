@@ -122,7 +122,7 @@ def test_a_question_is_answered_by_the_letters_of_the_language_as_its_buttons_sa
     question = seat.press(EndGameAct()).confirmation
     assert (question.yes.key, question.no.key) == ("J", "N")
     assert [act_for(key, seat.screen) for key in ("J", "N", "Esc", "Y")] == [Confirm(), Cancel(), Cancel(), None]
-    assert ("J", "Ja auf eine Frage des Programms") in help_lines(shipped_texts("de"), 8)
+    assert ("J", "Eine Frage des Programms mit Ja beantworten") in help_lines(shipped_texts("de"), 8)
 
 
 def test_a_dialogue_takes_the_letters_on_its_buttons():

@@ -55,7 +55,7 @@ def test_where_no_robot_can_stand_is_told_and_nothing_moves(qtbot: QtBot, window
     assert window.draft.arena == FOUND
     qtbot.mousePress(window.map.viewport(), Qt.MouseButton.LeftButton, pos=pixel(window, start.x, start.y))
     qtbot.mouseMove(window.map.viewport(), pixel(window, start.x, 0.1))
-    assert "No robot can turn there" in window.told.text()
+    assert "A robot cannot turn there" in window.told.text()
     assert window.told.isVisible()
     qtbot.mouseRelease(window.map.viewport(), Qt.MouseButton.LeftButton, pos=pixel(window, start.x, 0.1))
 

@@ -571,7 +571,7 @@ def test_a_window_whose_host_died_stays_and_says_so_until_another_one_comes(open
 
 
 def test_nothing_is_shown_before_the_words_come(
-    qtbot: QtBot, qapp: QApplication, monkeypatch: pytest.MonkeyPatch
+    request: pytest.FixtureRequest, qapp: QApplication, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     gone: list[str] = []
     monkeypatch.setattr(qapp, "quit", lambda: gone.append("quit"))
@@ -582,14 +582,21 @@ def test_nothing_is_shown_before_the_words_come(
     program.leave()
     assert gone == ["quit"]
     program.receive(StudyTexts(GameTexts.of(shipped_texts("de"))))
-    assert program.window is not None and program.window.isVisible()
+    window = program.window
+    assert window is not None
+
+    def delete() -> None:
+        window.deleteLater()
+        QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+
+    # A window that a failed test leaves behind would let later tests fail.
+    request.addfinalizer(delete)
+    assert window.isVisible()
     program.receive(TextToRead(1, "Willkommen", "Bitte beginnen Sie."))
     program.leave()
-    assert "Das Programm ist stehen geblieben" in labels(program.window)
-    program.window.give_way()
+    assert "Das Programm wurde unterbrochen" in labels(window)
+    window.give_way()
     assert told == [KioskClosed()]
-    program.window.deleteLater()
-    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
 
 def pages(texts: Texts = TEXTS) -> dict[str, Callable[[Opened], object]]:

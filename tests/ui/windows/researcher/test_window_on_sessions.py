@@ -149,7 +149,7 @@ def test_a_robot_is_killed_only_when_that_is_meant_and_revived(window: Researche
     waits(qtbot, lambda: robot(window, 1).dead)
     QTest.keyClick(window.canvas, "g")
     stroke(window, (3.0, -4.0), (3.0, -3.0))
-    assert "Revive it first" in window.statusBar().currentMessage()
+    assert "Revive the robot first (R)" in window.statusBar().currentMessage()
     QTest.keyClick(window.canvas, "r")
     waits(qtbot, lambda: not robot(window, 1).dead)
 

@@ -112,7 +112,7 @@ def test_another_kind_of_step_has_other_keys(window: StudyWindow, qtbot: QtBot) 
     settled(window, qtbot)
     qtbot.waitUntil(window.fields.rows["steps[8].step"].editor.hasFocus)
     fault = window.fields.rows["steps[8].step"]
-    assert "the step check has no form" in fault._fault.text()
+    assert "The step check has no form" in fault._fault.text()
 
 
 def test_a_factor_is_chosen_among_the_keys_of_studies(window: StudyWindow, qtbot: QtBot) -> None:
@@ -146,7 +146,7 @@ def test_a_factor_is_chosen_among_the_keys_of_studies(window: StudyWindow, qtbot
     before, after = (EXAMPLE / "experiment.yaml").read_text(), window.editor.path.read_text()
     gone = [line for line in before.splitlines() if line not in after.splitlines()]
     assert len(gone) == 1 and gone[0].startswith("between: {}")
-    assert "# each person plays at only one level" in after
+    assert "# each person meets one level" in after
     assert "noise.preset: [none, bad wheels]" in after
     button(window, "Remove noise.preset").click()
     qtbot.waitUntil(lambda: "between.noise.preset" not in window.fields.rows)
