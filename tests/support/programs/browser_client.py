@@ -5,10 +5,12 @@ import http.client
 import json
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
 from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed
 
 
 @dataclass
@@ -81,6 +83,10 @@ class BrowserClient:
         return time.monotonic() * 1000.0
 
     async def _read(self, socket: ClientConnection) -> None:
+        with suppress(ConnectionClosed):
+            await self._read_all(socket)
+
+    async def _read_all(self, socket: ClientConnection) -> None:
         async for text in socket:
             self.texts.append(str(text))
             message = json.loads(text)

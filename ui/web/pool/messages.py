@@ -18,7 +18,12 @@ class GatewayHello(msgspec.Struct, frozen=True, tag="hello"):
 
 
 class BrowserJoined(msgspec.Struct, frozen=True, tag="joined"):
-    """Gateway: a browser shows the game from now on; it has received nothing yet."""
+    """Gateway: a browser shows the game from now on; it has received nothing yet.
+
+    `stream` numbers the browsers, because messages for an earlier browser may still be on their way.
+    """
+
+    stream: int
 
 
 class BrowserLeft(msgspec.Struct, frozen=True, tag="left"):
@@ -36,9 +41,10 @@ class PersonLeft(msgspec.Struct, frozen=True, tag="leave"):
 
 
 class ToBrowser(msgspec.Struct, frozen=True, tag="show"):
-    """Worker: a message for the browser, to be passed on unchanged."""
+    """Worker: a message for the browser with this number, to be passed on unchanged."""
 
     text: str
+    stream: int
 
 
 class GameReady(msgspec.Struct, frozen=True, tag="ready"):

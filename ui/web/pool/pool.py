@@ -28,6 +28,8 @@ from ui.web.pool.worker import GameRequest, work
 
 START_TIMEOUT = 30.0
 """Seconds for a worker to open its socket."""
+END_TIMEOUT = 10.0
+"""Seconds for a worker to end its game and to close its files."""
 LOOK = 0.02
 """Seconds between two looks for a worker's socket."""
 
@@ -57,10 +59,12 @@ class HostedGame:
     ) -> None:
         self._reader, self._writer = reader, writer
         self._shown, self.news = shown, news
+        self._stream = 0
 
     def join(self) -> None:
         """Let the browser show the game from its present state on."""
-        self._send(BrowserJoined())
+        self._stream += 1
+        self._send(BrowserJoined(self._stream))
 
     def part(self) -> None:
         """Note that no browser shows the game."""
@@ -84,16 +88,15 @@ class HostedGame:
             while line := await self._reader.readline():
                 message = FROM_WORKER.decode(line)
                 match message:
-                    case ToBrowser(text):
-                        self._shown(text)
+                    case ToBrowser(text, stream):
+                        if stream == self._stream:
+                            self._shown(text)
                     case WorkerResult():
                         return message
                     case _:
                         self.news(message)
         except (ConnectionError, ValueError, msgspec.MsgspecError):
             pass
-        finally:
-            self._writer.close()
         raise WorkerDied
 
     def _send(self, message: ToWorker) -> None:
@@ -140,6 +143,7 @@ class WorkerPool:
         path = self._folder / f"{token[:12]}.sock"
         process = self._context.Process(target=work, args=(request, path, token))
         self._playing += 1
+        writer: asyncio.StreamWriter | None = None
         try:
             process.start()
             reader, writer = await _connected(path, process.is_alive)
@@ -147,7 +151,13 @@ class WorkerPool:
             yield HostedGame(reader, writer, shown, news)
         finally:
             self._playing -= 1
-            process.terminate()
+            if writer is not None and not writer.is_closing():
+                # A game that is still played ends, and its recording is complete.
+                writer.write(encode_line(PersonLeft()))
+                await asyncio.to_thread(process.join, END_TIMEOUT)
+                writer.close()
+            if process.is_alive():
+                process.kill()
             await asyncio.to_thread(process.join)
             path.unlink(missing_ok=True)
 

@@ -102,6 +102,7 @@ class Worker:
         self._seat: GameSeat | None = None
         self._seated: asyncio.Task[None] | None = None
         self._browser = False
+        self._stream = 0
         self._left = False
         self._reported: set[type[FromWorker]] = set()
         # Messages that a gateway needs to know, also one that connects later.
@@ -213,8 +214,8 @@ class Worker:
 
     def _receive(self, message: object) -> None:
         match message:
-            case BrowserJoined():
-                self._browser = True
+            case BrowserJoined(stream):
+                self._browser, self._stream = True, stream
                 if self._seat is not None:
                     self._seat.show_to(self._show)
             case BrowserLeft():
@@ -236,7 +237,7 @@ class Worker:
             self._seat.show_to(None)
 
     def _show(self, message: dict[str, Json]) -> None:
-        self.report(ToBrowser(msgspec.json.encode(message).decode()))
+        self.report(ToBrowser(msgspec.json.encode(message).decode(), self._stream))
 
     def note(self, message: FromWorker) -> None:
         """See `SeatOfGame`."""

@@ -100,7 +100,8 @@ export class GamePage {
         this.#press(key);
       });
     }
-    part.playing = element("div", { class: "playing" }, top, part.advise, part.area, part.column, part.below);
+    const title = element("h1", { class: "unseen", text: words["window.title"] });
+    part.playing = element("div", { class: "playing" }, title, top, part.advise, part.area, part.column, part.below);
     part.plain = element("div", { class: "reading" });
     this.element = element("div", { class: "game" }, part.playing, part.plain, part.question, part.large, part.help);
   }
