@@ -105,6 +105,7 @@ async def _serve(visitors: Visitors, texts: Texts, options: ServerOptions) -> No
         log_level="warning",
         ws_max_size=64 * 1024,
         server_header=False,
+        lifespan="off",
         ssl_certfile=None if options.tls is None else str(options.tls[0]),
         ssl_keyfile=None if options.tls is None else str(options.tls[1]),
     )

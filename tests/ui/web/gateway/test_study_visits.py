@@ -1,0 +1,126 @@
+"""A whole study in browsers: two people at once, each with their own steps, answers and recorded game."""
+
+import asyncio
+import secrets
+import socket
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+
+import pytest
+
+from tests.support.programs.browser_client import BrowserClient
+from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.store.event_log import ExperimentLog
+from thbridge.experiment.store.events import EventKind, RunState
+from ui.web.gateway.serving import ServerOptions, serve_study
+from ui.web.gateway.study_visits import VisitClock
+
+STUDY = """\
+title: In browsers
+seed: 3
+base: {map: practice, templates: practice, robots: 1, rate: 10, server.port: 0}
+quota: 4
+steps:
+  - {step: instructions, text: welcome.txt}
+  - {step: consent, text: consent.txt}
+  - {step: trial, name: game, max_seconds: 40}
+  - {step: form, form: after.yaml, name: after}
+"""
+FORM = """\
+title: After the game
+items:
+  - {id: again, text: Would you play again?, scale: choice, options: ['yes', 'no']}
+  - {id: why, text: Why?, scale: text, required: false}
+"""
+
+
+@asynccontextmanager
+async def served(folder: Path) -> AsyncIterator[tuple[int, Conductor]]:
+    """Serve the study in a folder; yield the port and the conductor."""
+    place, clock = ExperimentFolder(folder), VisitClock()
+    design = place.read()
+    place.log.parent.mkdir(exist_ok=True)
+    with ExperimentLog(place.log, synced=False) as log:
+        conductor = Conductor(design, log, clock, secrets.randbelow)
+        listening, ready = socket.create_server(("127.0.0.1", 0)), asyncio.Event()
+        options = ServerOptions(listening, 2, None, ready.set)
+        problems: list[str] = []
+        serving = asyncio.create_task(serve_study(place, design, conductor, clock, problems.append, options))
+        await asyncio.wait([serving, asyncio.create_task(ready.wait())], return_when=asyncio.FIRST_COMPLETED)
+        try:
+            yield listening.getsockname()[1], conductor
+        finally:
+            serving.cancel()
+            with suppress(asyncio.CancelledError):
+                await serving
+        assert not problems
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name in ("welcome", "consent"):
+        (tmp_path / f"{name}.txt").write_text(f"This is the text of {name}.\n")
+    (tmp_path / "after.yaml").write_text(FORM)
+    (tmp_path / "experiment.yaml").write_text(STUDY)
+    return tmp_path
+
+
+async def person(port: int, answer: str) -> None:
+    """Go through the whole study, and end the game at once."""
+    browser = BrowserClient(port)
+    await asyncio.to_thread(browser.load)
+    await browser.open()
+    for number in range(100):
+        await browser.until(lambda wanted=number: len(browser.study) > wanted, 120)
+        message = browser.study[number]
+        page = message.get("page")
+        match message["t"]:
+            case "text" if not message["button"]:
+                await browser.close()
+                return
+            case "text" | "recorded":
+                await asyncio.sleep(0.45)
+                await browser.send({"type": "WentOn", "page": page})
+            case "consent":
+                await asyncio.sleep(0.45)
+                await browser.send({"type": "ConsentReply", "page": page, "agrees": True, "window_ns": 1})
+            case "game":
+                await end_game(browser)
+            case "form":
+                news = {"type": "ItemNews", "page": page, "item": "again", "window_ns": 2, "answer": answer}
+                await browser.send({**news, "what": "changed"})
+                await browser.send({**news, "what": "given"})
+                await browser.send({"type": "WentOn", "page": page})
+            case _:
+                pass
+
+
+async def end_game(browser: BrowserClient) -> None:
+    """End a game that has just begun, and continue."""
+    await browser.until(lambda: browser.tree.get("phase") == "playing" and browser.tree["tiles"])
+    await asyncio.sleep(0.4)
+    await browser.press("E")
+    await browser.until(lambda: browser.tree["question"])
+    await asyncio.sleep(0.4)
+    await browser.act(browser.tree["question"]["buttons"][0]["act"])
+    await browser.until(lambda: browser.tree["ending"])
+    await asyncio.sleep(0.4)
+    await browser.act(browser.tree["ending"]["buttons"][0]["act"])
+
+
+def test_two_people_go_through_the_study_at_the_same_time(folder: Path) -> None:
+    async def run() -> Conductor:
+        async with served(folder) as (port, conductor):
+            await asyncio.gather(person(port, "yes"), person(port, "no"))
+        return conductor
+
+    conductor = asyncio.run(asyncio.wait_for(run(), 280))
+    runs = list(conductor.progress.runs.values())
+    assert [each.state for each in runs] == [RunState.COMPLETE, RunState.COMPLETE]
+    assert sorted(str(each.answers["after.again"]) for each in runs) == ["no", "yes"]
+    events = ExperimentFolder(folder).entries()
+    games = [each for each in events if getattr(each, "event", None) and each.event.kind == EventKind.GAME_PLAYED]
+    assert len(games) == 2
+    assert len(list((folder / "recordings").rglob("*.bag"))) == 2
