@@ -1,9 +1,10 @@
 """A whole study in browsers: two people at once, each with their own steps, answers and recorded game."""
 
 import asyncio
+import multiprocessing
 import secrets
 import socket
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 
@@ -67,8 +68,8 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-async def person(port: int, answer: str) -> None:
-    """Go through the whole study, and end the game at once."""
+async def person(port: int, answer: str, first_game: Callable[[BrowserClient], Awaitable[None]] | None = None) -> None:
+    """Go through the whole study, and end the game at once; `first_game` is called when the game begins."""
     browser = BrowserClient(port)
     await asyncio.to_thread(browser.load)
     await browser.open()
@@ -86,6 +87,10 @@ async def person(port: int, answer: str) -> None:
             case "consent":
                 await asyncio.sleep(0.45)
                 await browser.send({"type": "ConsentReply", "page": page, "agrees": True, "window_ns": 1})
+            case "game" if first_game is not None:
+                # The game's worker dies; another message of this kind follows.
+                await first_game(browser)
+                first_game = None
             case "game":
                 await end_game(browser)
             case "form":
@@ -124,3 +129,29 @@ def test_two_people_go_through_the_study_at_the_same_time(folder: Path) -> None:
     games = [each for each in events if getattr(each, "event", None) and each.event.kind == EventKind.GAME_PLAYED]
     assert len(games) == 2
     assert len(list((folder / "recordings").rglob("*.bag"))) == 2
+
+
+def test_a_game_whose_worker_is_killed_is_resumed_where_it_was(folder: Path) -> None:
+    times: list[str] = []
+
+    async def kill(browser: BrowserClient) -> None:
+        await browser.until(lambda: browser.tree.get("phase") == "playing" and browser.tree["tiles"])
+        await asyncio.sleep(0.4)
+        await browser.act(browser.tree["tiles"][0]["choose"]["act"])
+        await browser.until(lambda: browser.tree["dialogue"] and browser.tree["dialogue"]["choices"])
+        times.append(browser.tree["dialogue"]["title"])
+        (worker,) = multiprocessing.active_children()
+        worker.kill()
+        browser.tree = {}
+        await browser.until(lambda: browser.tree.get("dialogue") and browser.tree["dialogue"]["choices"])
+        times.append(browser.tree["dialogue"]["title"])
+
+    async def run() -> Conductor:
+        async with served(folder) as (port, conductor):
+            await person(port, "yes", kill)
+        return conductor
+
+    conductor = asyncio.run(asyncio.wait_for(run(), 280))
+    (one,) = conductor.progress.runs.values()
+    assert one.state is RunState.COMPLETE
+    assert times[0] == times[1]
