@@ -14,7 +14,7 @@ from ui.model.playing.acts import do
 from ui.model.playing.compose import compose, next_change, with_motions
 from ui.model.playing.marks import MapMarks
 from ui.model.playing.memory.popup_queue import DestinationItem, TreasureItem
-from ui.model.playing.memory.state import DrawnState, ParticipantMemory
+from ui.model.playing.memory.state import DrawnState, HuntMemory, ParticipantMemory
 from ui.model.playing.motion import MotionPlayback
 from ui.model.playing.offers import offer
 from ui.model.playing.screen import Act, RoomTile, Screen
@@ -189,7 +189,7 @@ class Participant:
             return self._screen
         if now >= memory.typed_until:
             memory.typed, memory.typed_until = "", math.inf
-        drawn = self._drawn()
+        drawn = _drawn(memory.hunt)
         fresh = compose(memory, now)
         if fresh.confirmation is not None and drawn.pending_step != memory.last_drawn.pending_step:
             memory.history.announce(f"{fresh.confirmation.title} {fresh.confirmation.text}")
@@ -267,20 +267,21 @@ class Participant:
         memory.sounds.clear()
         return replace(fresh, sound=sound, sound_number=number)
 
-    def _drawn(self) -> DrawnState:
-        hunt = self._memory.hunt
-        if hunt is None:
-            return DrawnState()
-        item = hunt.popups.shown
-        match item:
-            case DestinationItem(robot):
-                dialogue = hunt.destination_dialogue(robot)
-            case TreasureItem():
-                dialogue = hunt.treasure_dialogue(item)
-            case None:
-                dialogue = None
-        turn = None if dialogue is None else (dialogue.dialogue, dialogue.turn)
-        return DrawnState(item, turn, hunt.pending_step, hunt.view.game, hunt.picked)
+
+def _drawn(hunt: HuntMemory | None) -> DrawnState:
+    """Return the state of a game that a screen shows."""
+    if hunt is None:
+        return DrawnState()
+    item = hunt.popups.shown
+    match item:
+        case DestinationItem(robot):
+            dialogue = hunt.destination_dialogue(robot)
+        case TreasureItem():
+            dialogue = hunt.treasure_dialogue(item)
+        case None:
+            dialogue = None
+    turn = None if dialogue is None else (dialogue.dialogue, dialogue.turn)
+    return DrawnState(item, turn, hunt.pending_step, hunt.view.game, hunt.picked)
 
 
 def _differ(one: RobotMotion, other: RobotMotion) -> bool:
