@@ -44,7 +44,8 @@ from ui.model.playing.screen import (
     TreasurePopup,
 )
 from ui.model.shared.theme import LIGHT
-from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
+from ui.sources.game import ReceivedEvent, ServerReached
+from ui.windows.link import ParticipantLink
 from ui.windows.participant import ParticipantWindow
 from ui.windows.participant_program import GamePage, ParticipantMainWindow
 

@@ -14,7 +14,8 @@ from tests.support.windows.participant_windows import press
 from tests.ui.windows.participant.joined_window import ArrivedLink, JoinedWindow
 from ui.model.lobby import Back, WindowClosed
 from ui.model.shared.theme import LIGHT
-from ui.windows.link import ParticipantLink, ReceivedEvent
+from ui.sources.game import ReceivedEvent
+from ui.windows.link import ParticipantLink
 from ui.windows.participant import ParticipantWindow
 from ui.windows.participant.widgets.buttons import ActionButton
 
