@@ -30,7 +30,7 @@ from thbridge.sockets.addresses import Address
 from thbridge.sockets.reconnecting import ConnectionLost
 from thbridge.text_protocol.sockets.client import TextClient
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import is_notice
+from thbridge.text_protocol.wire.notice_format import is_notice
 from thbridge.watching.sockets.client import WatchClient, WatchConnected
 from thbridge.watching.wire import SessionMessage, parse_status
 

@@ -52,7 +52,7 @@ from thbridge.sockets.admission import parse_network
 from thbridge.text_protocol.values.dialect import Dialect
 from thbridge.text_protocol.wire import canonical, legacy
 from thbridge.text_protocol.wire.lines import TextMessage, parse_line
-from thbridge.text_protocol.wire.notice import Notice, NoticeValue, decode_notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import Notice, NoticeValue, decode_notice, parse_notice
 from thbridge.timing.pacer import Pacer
 from thbridge.watching.wire import BagStreamReader, SessionMessage, WatcherRequest, WatcherSession, parse_status
 from ui.model.watching.scene import PendingTurn, Wizard

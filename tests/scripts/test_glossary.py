@@ -12,7 +12,7 @@ from sim.inputs import TEAM_INPUTS
 from tests.support.project import ROOT
 from thbridge.roles.shared.robot_requests import REQUESTS, CommandRequest
 from thbridge.roles.shared.view import DeclineConsent, ParticipantRequest
-from thbridge.text_protocol.wire.notice import kind_of
+from thbridge.text_protocol.wire.notice_format import kind_of
 from ui.model.playing.screen import Act
 
 TABLES = [

@@ -13,7 +13,7 @@ from thbridge.roles.shared.view import DeclineConsent, GiveConsent, View
 from thbridge.text_protocol.sockets.server import RouterInterface
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage, encode_line
-from thbridge.text_protocol.wire.notice import Notice, NoticeDecoder, encode_notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import Notice, NoticeDecoder, encode_notice, parse_notice
 from thbridge.text_protocol.wire.router import (
     ClientJoined,
     ConnectionId,

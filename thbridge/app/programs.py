@@ -27,7 +27,7 @@ from thbridge.text_protocol.sockets.client import TextClient
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.client import NameRegistered
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import Notice, encode_notice, is_notice, kind_of, parse_notice
+from thbridge.text_protocol.wire.notice_format import Notice, encode_notice, is_notice, kind_of, parse_notice
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 

@@ -28,13 +28,6 @@ from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing, announcement
-from thbridge.dialogue.evidence import (
-    WhatFacts,
-    WhereFacts,
-    reasons_of_a_person,
-    what,
-    where,
-)
 from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.control import Conversation, Opening
@@ -60,6 +53,13 @@ from thbridge.dialogue.moves import (
     Upshot,
 )
 from thbridge.dialogue.propositions import NamesTreasure, NamesTreasureAs, NextRoom, TakesPicture, VisitOrder
+from thbridge.dialogue.robot_arguments import (
+    WhatFacts,
+    WhereFacts,
+    reasons_of_a_person,
+    what,
+    where,
+)
 from thbridge.dialogue.robot_strategies import StrategyFactory, choose_by, own_strategy
 
 

@@ -8,7 +8,6 @@ from thbridge.dialogue.argumentation.beliefs import Beliefs, Source
 from thbridge.dialogue.argumentation.cases import Side, Stance
 from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import DialogueCondition, Manner
-from thbridge.dialogue.evidence import Evidence, WhatFacts, WhereFacts, is_decision, is_hearsay, what, where
 from thbridge.dialogue.explanations import explain, questions
 from thbridge.dialogue.games.contents import ContentKind, DialogueMove, kind_of_content
 from thbridge.dialogue.games.control import Conversation, Opening
@@ -30,6 +29,7 @@ from thbridge.dialogue.moves import (
     Speaker,
 )
 from thbridge.dialogue.propositions import NamesTreasure, NamesTreasureAs, NextRoom, TakesPicture
+from thbridge.dialogue.robot_arguments import Evidence, WhatFacts, WhereFacts, is_decision, is_hearsay, what, where
 from thbridge.dialogue.wording.wording import reasons
 
 PERSUASION, INFORMATION_SEEKING = "persuasion", "information-seeking"

@@ -6,7 +6,6 @@ So its contents are true by construction.
 
 from thbridge.dialogue.argumentation.arguments import Argument
 from thbridge.dialogue.argumentation.propositions import Literal, Proposition
-from thbridge.dialogue.evidence import Evidence, WhatFacts, WhereFacts, comparison, is_below
 from thbridge.dialogue.moves import Enquire, Explain, Question
 from thbridge.dialogue.propositions import (
     CostOfOther,
@@ -21,6 +20,7 @@ from thbridge.dialogue.propositions import (
     TakesPicture,
     TeamPlan,
 )
+from thbridge.dialogue.robot_arguments import Evidence, WhatFacts, WhereFacts, comparison, is_below
 from thbridge.dialogue.wording.wording import reasons
 from thbridge.hunt.rooms import Room
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from thbridge.dialogue.argumentation.propositions import Literal
-from thbridge.dialogue.evidence import WhatFacts, WhereFacts
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.games.dialogue_game import GameUtterance
+from thbridge.dialogue.robot_arguments import WhatFacts, WhereFacts
 from thbridge.hunt.properties import Properties
 from thbridge.hunt.rooms import Room
 

@@ -28,7 +28,7 @@ from thbridge.text_protocol.wire.legacy import (
     TreasureImage,
 )
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import COUNTED, Notice, encode_notice, is_notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import COUNTED, Notice, encode_notice, is_notice, parse_notice
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND
 """Number of ticks for which a question waits for a keeper. Then Hider answers the question itself, as in 2016."""

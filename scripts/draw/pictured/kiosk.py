@@ -17,7 +17,7 @@ from thbridge.experiment.store.events import RunState
 from thbridge.study.built_in import STANDARD
 from thbridge.study.study_file import DialogueSection
 from ui.hosting.kiosk import words
-from ui.hosting.kiosk.answers import form_item
+from ui.hosting.kiosk.answer_conversion import form_item
 from ui.model.kiosk import (
     Answer,
     ConsentToAsk,

@@ -10,10 +10,10 @@ from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.arguing_moves import MOST_CHOICES
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.engine import DialogueStep
-from thbridge.dialogue.evidence import WhatFacts, WhereFacts, where
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.dialogue.moves import Dialogue, DialogueTopic, Leave, Move, Scenario, Speaker
 from thbridge.dialogue.propositions import NextRoom
+from thbridge.dialogue.robot_arguments import WhatFacts, WhereFacts, where
 from thbridge.files.game_files import read_rulebook
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.team_tour import PlanValue

@@ -2,7 +2,7 @@
 
 from hypothesis import strategies as st
 
-from thbridge.dialogue.evidence import WhatFacts, WhereFacts
+from thbridge.dialogue.robot_arguments import WhatFacts, WhereFacts
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.team_tour import PlanValue
 

@@ -26,7 +26,7 @@ from thbridge.experiment.trials import setting_of_trial
 from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.shared.view import View
-from ui.hosting.kiosk.answers import to_answer
+from ui.hosting.kiosk.answer_conversion import to_answer
 from ui.model.kiosk import (
     KIOSK,
     Answer,

@@ -28,7 +28,7 @@ from thbridge.study.study_file import (
     Study,
     load_study,
 )
-from thbridge.text_protocol.wire.notice import encode_notice
+from thbridge.text_protocol.wire.notice_format import encode_notice
 
 
 @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])

@@ -20,7 +20,7 @@ from thbridge.roles.shared.notices import KEEPER, ParticipantReady
 from thbridge.roles.shared.view import DeclineConsent, GiveConsent, View
 from thbridge.study.study_file import ParticipantSection, Study
 from thbridge.text_protocol.wire.lines import TextMessage, encode_line, parse_line
-from thbridge.text_protocol.wire.notice import Notice, NoticeValue, encode_notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import Notice, NoticeValue, encode_notice, parse_notice
 from thbridge.text_protocol.wire.router import RouterOutput, SendToClient, TurnedAway
 
 CONSENT = "We record what you do."

@@ -7,7 +7,7 @@ from thbridge.roles.shared.notices import KEEPER, HideRequest
 from thbridge.text_protocol.sockets.client import TextClient
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
-from thbridge.text_protocol.wire.notice import encode_notice
+from thbridge.text_protocol.wire.notice_format import encode_notice
 
 
 def test_each_change_is_told_once(caplog):

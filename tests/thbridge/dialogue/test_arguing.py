@@ -22,7 +22,6 @@ from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.engine import DialogueStep
-from thbridge.dialogue.evidence import WhatFacts, WhereFacts
 from thbridge.dialogue.games.contents import DialogueMove, Unknown, propositions_in
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.dialogue.games.tables import DialogueEnd
@@ -43,6 +42,7 @@ from thbridge.dialogue.moves import (
     Upshot,
 )
 from thbridge.dialogue.propositions import CostsMore, InTheWay, NextRoom, Wanted
+from thbridge.dialogue.robot_arguments import WhatFacts, WhereFacts
 from thbridge.dialogue.worded import WordedPhrasing
 from thbridge.files.word_files import read_language
 from thbridge.hunt.rooms import Room

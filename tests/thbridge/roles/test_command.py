@@ -46,7 +46,7 @@ from thbridge.roles.shared.view import (
     TakePicture,
     View,
 )
-from thbridge.text_protocol.wire.notice import Notice, decode_notice
+from thbridge.text_protocol.wire.notice_format import Notice, decode_notice
 
 
 @pytest.fixture

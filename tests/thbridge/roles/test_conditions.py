@@ -21,7 +21,7 @@ from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.notices import KEEPER, MoveCosts
 from thbridge.study.study_file import DialogueSection, GameSection, MannerSection, ParticipantSection, Study
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import encode_notice
+from thbridge.text_protocol.wire.notice_format import encode_notice
 
 MOST_TICKS = 5_000
 

@@ -4,7 +4,7 @@ from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.hider import KEEPER_TIMEOUT, Hider
 from thbridge.roles.shared.notices import KEEPER, HideRequest
 from thbridge.text_protocol.wire import legacy
-from thbridge.text_protocol.wire.notice import encode_notice
+from thbridge.text_protocol.wire.notice_format import encode_notice
 
 KINDS = [TreasureKind({"colour": "Red", "footprint": "Round and Large"}, 10, "Red Ball", "ball.jpg")]
 

@@ -22,7 +22,7 @@ from thbridge.roles.shared.notices import KEEPER
 from thbridge.study.study_file import Study
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
-from thbridge.text_protocol.wire.notice import encode_notice, kind_of, notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import encode_notice, kind_of, notice, parse_notice
 
 small = st.integers(-2, 10)
 number = st.one_of(small, st.integers(), st.floats(allow_nan=False, allow_infinity=False))

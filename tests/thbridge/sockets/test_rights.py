@@ -23,7 +23,7 @@ from thbridge.text_protocol.sockets.client import TextClient
 from thbridge.text_protocol.sockets.server import TextServer
 from thbridge.text_protocol.wire.client import NameRegistered
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import notice
+from thbridge.text_protocol.wire.notice_format import notice
 from thbridge.text_protocol.wire.router import ConnectionId, Forwarded, MessageRouter, RouterOutput
 from thbridge.watching.sockets import server as watch_server
 from thbridge.watching.sockets.client import SessionMessage, WatchClient, WatchConnected

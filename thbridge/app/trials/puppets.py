@@ -16,7 +16,7 @@ from thbridge.roles.shared.notices import (
 )
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import encode_notice
+from thbridge.text_protocol.wire.notice_format import encode_notice
 
 
 class Puppets:

@@ -9,7 +9,6 @@ from sim.numerics import noise
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.conditions import DialogueCondition, Manner
-from thbridge.dialogue.evidence import WhatFacts, WhereFacts
 from thbridge.dialogue.examples import Exchange, jhri2015
 from thbridge.dialogue.exchange_play import acts, turn_in
 from thbridge.dialogue.games.contents import DialogueMove
@@ -17,6 +16,7 @@ from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.games.strategies import Attitude, GameStrategy
 from thbridge.dialogue.games.tables import Rulebook
 from thbridge.dialogue.moves import Dialogue, DialogueTopic, Move, Scenario, Speaker
+from thbridge.dialogue.robot_arguments import WhatFacts, WhereFacts
 from thbridge.dialogue.robot_strategies import StrategyFactory, choose_by, own_strategy
 from thbridge.dialogue.trials.faults import TrialFault
 from thbridge.hunt.rooms import Room

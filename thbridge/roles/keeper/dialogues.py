@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass, replace
 
 from thbridge.dialogue.engine import DialogueEngine, DialogueStep
-from thbridge.dialogue.evidence import WhatFacts, WhereFacts
 from thbridge.dialogue.moves import (
     Author,
     DecideAlone,
@@ -18,6 +17,7 @@ from thbridge.dialogue.moves import (
     move_text,
     word_of,
 )
+from thbridge.dialogue.robot_arguments import WhatFacts, WhereFacts
 from thbridge.hunt.events import DialogueSaid
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room, RoomNames

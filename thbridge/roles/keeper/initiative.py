@@ -15,7 +15,7 @@ from thbridge.roles.keeper.advice.neglect import decide_about_treasure, decide_t
 from thbridge.roles.keeper.agreements import MATTERS
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.shared.view import RequestSuggestion
-from thbridge.text_protocol.wire.notice import kind_of
+from thbridge.text_protocol.wire.notice_format import kind_of
 
 _READING = 30 * TICKS_PER_SECOND
 """Minimum number of ticks for which a robot waits while the participant reads its sentences and answers."""

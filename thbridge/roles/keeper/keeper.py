@@ -64,7 +64,7 @@ from thbridge.roles.shared.robot_requests import CommandRequest, GameRequest
 from thbridge.roles.shared.view import Debrief, DeclineConsent, GiveConsent, ParticipantRequest, PlayAgain
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
-from thbridge.text_protocol.wire.notice import (
+from thbridge.text_protocol.wire.notice_format import (
     Notice,
     NoticeDecoder,
     NoticeValue,

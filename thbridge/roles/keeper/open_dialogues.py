@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 
 from thbridge.dialogue.arguing import decision_of
-from thbridge.dialogue.evidence import WhatFacts, WhereFacts, is_decision, situation_of
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import Dialogue, Scenario
 from thbridge.dialogue.propositions import NextRoom
+from thbridge.dialogue.robot_arguments import WhatFacts, WhereFacts, is_decision, situation_of
 from thbridge.hunt.rooms import Room
 
 

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable, Sequence
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.engine import DialogueEngine
-from thbridge.dialogue.evidence import WhereFacts
 from thbridge.dialogue.moves import Conclude, DialogueUtterance, Scenario, Speaker, move_text
+from thbridge.dialogue.robot_arguments import WhereFacts
 from thbridge.hunt import game, rules
 from thbridge.hunt.events import (
     DialogueOpened,

@@ -21,7 +21,7 @@ from thbridge.roles.shared.notices import (
 )
 from thbridge.roles.shared.participant_rules import KeeperReason
 from thbridge.roles.shared.view import SendRobot
-from thbridge.text_protocol.wire.notice import kind_of
+from thbridge.text_protocol.wire.notice_format import kind_of
 
 
 class ConnectedTeam:

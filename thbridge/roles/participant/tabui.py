@@ -27,7 +27,7 @@ from thbridge.roles.shared.view import (
 )
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import NoticeDecoder, encode_notice
+from thbridge.text_protocol.wire.notice_format import NoticeDecoder, encode_notice
 
 RETRY_PERIOD = 3 * TICKS_PER_SECOND
 """A request is repeated after this number of ticks if the view does not show its effect."""

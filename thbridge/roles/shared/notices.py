@@ -14,7 +14,7 @@ import msgspec
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import RoomNames
-from thbridge.text_protocol.wire.notice import NoticeDecoder, NoticeValue
+from thbridge.text_protocol.wire.notice_format import NoticeDecoder, NoticeValue
 
 KEEPER = "Game"
 """Name of the keeper at the text server."""

@@ -5,7 +5,7 @@ from thbridge.roles.shared.notices import KEEPER
 from thbridge.roles.shared.view import IdentifyTreasure, ParticipantRequest, SendRobot, SenseTreasure, TakePicture
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import encode_notice
+from thbridge.text_protocol.wire.notice_format import encode_notice
 from thbridge.text_protocol.wire.router import Forwarded
 
 LineRequest = SendRobot | SenseTreasure | TakePicture | IdentifyTreasure

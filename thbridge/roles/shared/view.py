@@ -14,7 +14,7 @@ import msgspec
 from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.properties import OF_2016, Properties, TreasureProperty
 from thbridge.hunt.treasures import name_in_words
-from thbridge.text_protocol.wire.notice import COUNTED, Notice, NoticeValue, decode_notice, kind_of
+from thbridge.text_protocol.wire.notice_format import COUNTED, Notice, NoticeValue, decode_notice, kind_of
 
 
 @dataclass(frozen=True, slots=True)

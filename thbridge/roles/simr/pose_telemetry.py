@@ -19,7 +19,7 @@ from thbridge.hunt.events import Condition
 from thbridge.roles.shared.notices import Activity, Ellipse, PlannedPaths, PoseTelemetry, RobotMotion
 from thbridge.roles.simr.polyline import needed_points
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import NoticeValue, encode_notice
+from thbridge.text_protocol.wire.notice_format import NoticeValue, encode_notice
 
 POSE_PERIOD = TICKS_PER_SECOND // 25
 """Number of ticks between two messages with poses."""

@@ -34,7 +34,7 @@ from thbridge.text_protocol.values.dialect import Dialect
 from thbridge.text_protocol.wire import canonical, legacy
 from thbridge.text_protocol.wire.canonical import GotoPoint, MoveByHand, PoseQuery, decode_goto
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
-from thbridge.text_protocol.wire.notice import encode_notice
+from thbridge.text_protocol.wire.notice_format import encode_notice
 
 STATUS_PERIOD = TICKS_PER_SECOND
 """Number of ticks between two statuses. A status is also sent if a move, a condition or a researcher changes."""

@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from thbridge.line_splitter import LineSplitter, OverlongLine
 from thbridge.text_protocol.wire.lines import EXTENDED, TextCommand, TextMessage, encode_line, parse_tokens, tokens
-from thbridge.text_protocol.wire.notice import REFUSED, SERVER, Notice, is_notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import REFUSED, SERVER, Notice, is_notice, parse_notice
 
 _PONG_LINE = encode_line(f"{TextCommand.PONG} ")
 

@@ -59,7 +59,15 @@ from thbridge.text_protocol.wire.lines import (
     parse_tokens,
     tokens,
 )
-from thbridge.text_protocol.wire.notice import REFUSED, SERVER, UNDELIVERED, Notice, is_notice, notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import (
+    REFUSED,
+    SERVER,
+    UNDELIVERED,
+    Notice,
+    is_notice,
+    notice,
+    parse_notice,
+)
 
 ConnectionId = NewType("ConnectionId", int)
 

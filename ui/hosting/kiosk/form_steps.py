@@ -5,7 +5,7 @@ from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.progress import options_shown
 from thbridge.experiment.questionnaires.form import Form, Item
 from thbridge.experiment.store.events import EventKind, JsonValue
-from ui.hosting.kiosk.answers import form_item, is_answer, to_answer, to_json
+from ui.hosting.kiosk.answer_conversion import form_item, is_answer, to_answer, to_json
 from ui.hosting.kiosk.pages import KioskPages
 from ui.model.kiosk import (
     FormToFill,

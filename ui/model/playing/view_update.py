@@ -22,7 +22,7 @@ from thbridge.roles.shared.view import (
     TakeUpTreasure,
     View,
 )
-from thbridge.text_protocol.wire.notice import kind_of
+from thbridge.text_protocol.wire.notice_format import kind_of
 from ui.model.playing.memory.history import GameHistory, stopped_words
 from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.memory.state import (

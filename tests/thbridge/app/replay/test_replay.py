@@ -81,7 +81,7 @@ from thbridge.text_protocol.sockets.client import TextClient
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.client import NameRegistered
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import encode_notice
+from thbridge.text_protocol.wire.notice_format import encode_notice
 from thbridge.text_protocol.wire.router import ConnectionId, RouterOutput, SendToClient
 from thbridge.watching import wire
 from thbridge.watching.sockets.client import WatchClient

@@ -8,7 +8,7 @@ from thbridge.roles.participant.tabui import NUMBER_PERIOD, REJOIN_PERIOD, RETRY
 from thbridge.roles.shared.notices import KEEPER
 from thbridge.roles.shared.view import RefusalView, RequestSuggestion, SendRobot, StopRobot, View
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import Notice, encode_notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import Notice, encode_notice, parse_notice
 
 UNSURE = RequestSuggestion(0)
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from thbridge.roles.shared import notices
 from thbridge.roles.shared.view import DeclineConsent, ParticipantRequest, View
-from thbridge.text_protocol.wire.notice import decode_notice, encode_notice, kind_of, parse_notice
+from thbridge.text_protocol.wire.notice_format import decode_notice, encode_notice, kind_of, parse_notice
 
 STATES = [
     each

@@ -31,7 +31,7 @@ from thbridge.roles.shared.view import (
     TakeUpTreasure,
     View,
 )
-from thbridge.text_protocol.wire.notice import Notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import Notice, parse_notice
 
 ROBOTS, ROOMS = range(2), range(1, 9)
 

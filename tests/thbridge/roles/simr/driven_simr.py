@@ -4,7 +4,7 @@ from thbridge.roles.shared.notices import KEEPER, MoveOrder, Orders
 from thbridge.roles.simr.simr import SimR
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import Notice, decode_notice, encode_notice, parse_notice
 
 
 class DrivenSimR:

@@ -18,7 +18,7 @@ from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.study.study_file import Study
 from thbridge.text_protocol.wire import canonical, legacy
-from thbridge.text_protocol.wire.notice import encode_notice
+from thbridge.text_protocol.wire.notice_format import encode_notice
 
 NEAR = Pose2(0.5, 0.0, 0.0)
 CLIENT = 10**6

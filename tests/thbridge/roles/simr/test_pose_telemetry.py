@@ -19,7 +19,7 @@ from thbridge.line_splitter import LINE_LIMIT
 from thbridge.roles.shared.notices import PlannedPaths, PoseTelemetry
 from thbridge.roles.simr.pose_telemetry import PATH_PERIOD, TelemetryOptions, TelemetryPublisher, ellipse_of
 from thbridge.study.study_file import Study
-from thbridge.text_protocol.wire.notice import decode_notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import decode_notice, parse_notice
 
 TICKS = range(0, 2 * PATH_PERIOD)
 

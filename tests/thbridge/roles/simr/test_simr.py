@@ -19,7 +19,7 @@ from thbridge.roles.simr.simr import KEEPER_TIMEOUT, RESPONSE_TIMEOUT
 from thbridge.study.study_file import Study
 from thbridge.study.things import Mishap, MishapEntry, Shape, ThingEntry
 from thbridge.text_protocol.wire import canonical, legacy
-from thbridge.text_protocol.wire.notice import encode_notice
+from thbridge.text_protocol.wire.notice_format import encode_notice
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.text_protocol.wire.lines import ROUTED, TextMessage
-from thbridge.text_protocol.wire.notice import Notice, notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import Notice, notice, parse_notice
 from thbridge.text_protocol.wire.router import (
     ClientJoined,
     ClientLeft,

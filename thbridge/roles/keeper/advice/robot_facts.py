@@ -5,7 +5,7 @@ from collections.abc import Collection, Sequence
 from functools import lru_cache
 
 from sim.common.observations import TICKS_PER_SECOND
-from thbridge.dialogue.evidence import Misfit, WhatFacts, WhereFacts
+from thbridge.dialogue.robot_arguments import Misfit, WhatFacts, WhereFacts
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Condition
 from thbridge.hunt.game import GameState

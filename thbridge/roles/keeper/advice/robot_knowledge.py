@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from thbridge.dialogue.evidence import WhatFacts, WhereFacts
 from thbridge.dialogue.moves import Scenario
+from thbridge.dialogue.robot_arguments import WhatFacts, WhereFacts
 from thbridge.hunt.events import DialogueOpened
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused

@@ -9,7 +9,7 @@ from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.shared.notices import PicturePiece
 from thbridge.roles.shared.view import View
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import Notice, encode_notice
+from thbridge.text_protocol.wire.notice_format import Notice, encode_notice
 
 MOST_PARTICIPANTS = 64
 """Maximum number of participants' programs at the same time."""

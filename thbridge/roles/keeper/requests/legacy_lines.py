@@ -20,7 +20,7 @@ from thbridge.roles.shared.participant_rules import KeeperReason
 from thbridge.roles.shared.view import DialogueMatter, IdentifyTreasure, SendRobot, SenseTreasure, TakePicture
 from thbridge.text_protocol.wire import canonical, legacy
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage, UnreadableText
-from thbridge.text_protocol.wire.notice import kind_of
+from thbridge.text_protocol.wire.notice_format import kind_of
 from thbridge.text_protocol.wire.router import Forwarded
 
 _COMMANDS_TO_SIMR = frozenset({TextCommand.GOTO, TextCommand.WHERE, TextCommand.MOVE})

@@ -28,7 +28,7 @@ from thbridge.roles.shared.view import (
     TakeUpTreasure,
     TellProperty,
 )
-from thbridge.text_protocol.wire.notice import kind_of
+from thbridge.text_protocol.wire.notice_format import kind_of
 
 NoticeRequest: TypeAlias = (
     SelectRoom

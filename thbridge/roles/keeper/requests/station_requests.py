@@ -21,7 +21,7 @@ from thbridge.roles.shared.robot_requests import (
     TakeCommand,
 )
 from thbridge.roles.shared.view import SendRobot
-from thbridge.text_protocol.wire.notice import kind_of
+from thbridge.text_protocol.wire.notice_format import kind_of
 
 JudgedRequest: TypeAlias = (
     TakeCommand | ReleaseCommand | StationSend | StationTakePicture | StationIdentify | StationLeave

@@ -12,7 +12,6 @@ from msgspec import structs
 
 from tests.support.hunts.random_hunts import random_hunt
 from thbridge.dialogue.argumentation.propositions import Literal
-from thbridge.dialogue.evidence import WhatFacts, WhereFacts, what, where
 from thbridge.dialogue.explanations import explain, questions
 from thbridge.dialogue.moves import Question
 from thbridge.dialogue.propositions import (
@@ -28,6 +27,7 @@ from thbridge.dialogue.propositions import (
     ShorterPlan,
     TeamPlan,
 )
+from thbridge.dialogue.robot_arguments import WhatFacts, WhereFacts, what, where
 from thbridge.hunt import game
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import GameStarted

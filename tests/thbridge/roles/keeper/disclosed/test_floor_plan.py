@@ -17,7 +17,7 @@ from thbridge.line_splitter import LINE_LIMIT
 from thbridge.roles.keeper.disclosed.floor_plan import MOST_PACKED, floor_plan_of
 from thbridge.roles.shared.notices import KEEPER, FloorPlan
 from thbridge.study.study_file import Study
-from thbridge.text_protocol.wire.notice import decode_notice, encode_notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import decode_notice, encode_notice, parse_notice
 
 cells = arrays(np.int8, array_shapes(min_dims=2, max_dims=2, max_side=30), elements=st.sampled_from([0, 100, -1]))
 

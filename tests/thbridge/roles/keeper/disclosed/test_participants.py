@@ -60,7 +60,7 @@ from thbridge.roles.shared.view import (
 )
 from thbridge.study.study_file import Study
 from thbridge.text_protocol.wire import legacy
-from thbridge.text_protocol.wire.notice import decode_notice, encode_notice, kind_of, parse_notice
+from thbridge.text_protocol.wire.notice_format import decode_notice, encode_notice, kind_of, parse_notice
 
 HOUSE = FloorPlan("stage", 0.05, (0.0, 0.0, 0.0), 1, 1, "eJxjAAAAAQAB", (), ())
 CONSENT = "We record what you do."

@@ -49,7 +49,7 @@ from thbridge.roles.shared.view import (
 )
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import Notice, encode_notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import Notice, encode_notice, parse_notice
 
 robots, rooms = st.integers(0, 1), st.integers(1, 8)
 names = st.sampled_from(["Pink_can", "Blue_Bottle", "Yellow_can"])

@@ -5,8 +5,8 @@ from hypothesis import given
 from tests.support.dialogue.random_facts import where_facts
 from thbridge.dialogue.argumentation.beliefs import Beliefs, Source
 from thbridge.dialogue.argumentation.propositions import Literal
-from thbridge.dialogue.evidence import WhatFacts, WhereFacts, comparison, what, where
 from thbridge.dialogue.propositions import FewerRooms, InTheWay, LessThan, NamesTreasure, NextRoom, TakesPicture
+from thbridge.dialogue.robot_arguments import WhatFacts, WhereFacts, comparison, what, where
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.team_tour import PlanValue
 

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.text_protocol.wire.lines import TextMessage, UnreadableText, parse_line
-from thbridge.text_protocol.wire.notice import JsonValue, Notice, is_notice, notice, parse_notice
+from thbridge.text_protocol.wire.notice_format import JsonValue, Notice, is_notice, notice, parse_notice
 
 JSON = st.recursive(
     st.none()
