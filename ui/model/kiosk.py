@@ -141,6 +141,24 @@ class GamePrepared(msgspec.Struct, frozen=True, tag=True):
     progress: StudyProgress = StudyProgress()
 
 
+class TurnToAwait(msgspec.Struct, frozen=True, tag=True):
+    """Host: the person waits, for a place in the study or for a game. Sent again each second, with the same number.
+
+    Attributes:
+        page: number of the page.
+        heading: heading above the text.
+        text: reason for the wait.
+        waited: whole seconds that the person has waited.
+        progress: position in the person's run.
+    """
+
+    page: int
+    heading: str
+    text: str
+    waited: int = 0
+    progress: StudyProgress = StudyProgress()
+
+
 class GameToJoin(msgspec.Struct, frozen=True, tag=True):
     """Host: join a game at a text server.
 
@@ -296,6 +314,7 @@ ToKiosk: TypeAlias = (
     | FormToFill
     | AnswerKept
     | GamePrepared
+    | TurnToAwait
     | GameToJoin
     | GameNews
     | InstructionsSoFar

@@ -31,6 +31,7 @@ class BrowserClient:
     tree: dict[str, Any] = field(default_factory=dict)
     texts: list[str] = field(default_factory=list)
     number: int = 0
+    _left: int = 0
     _socket: ClientConnection | None = None
     _reading: asyncio.Task[None] | None = None
 
@@ -50,6 +51,26 @@ class BrowserClient:
             additional_headers={"Cookie": self.cookie},
         )
         self._reading = asyncio.create_task(self._read(self._socket))
+
+    @classmethod
+    async def arrived(cls, port: int) -> "BrowserClient":
+        """Return a browser that has loaded the page and is connected."""
+        browser = cls(port)
+        await asyncio.to_thread(browser.load)
+        await browser.open()
+        return browser
+
+    @property
+    def shown(self) -> dict[str, Any]:
+        """The last message about a page of the study; before the first, a message without contents."""
+        pages = [message for message in self.study if "page" in message and message["t"] != "kept"]
+        return pages[-1] if pages else {"t": "", "page": 0, "heading": ""}
+
+    async def press_button(self) -> None:
+        """Wait for a page that is not yet left, and press its main button."""
+        await self.until(lambda: self.shown["page"] > self._left and self.shown.get("button"))
+        self._left = self.shown["page"]
+        await self.send({"type": "WentOn", "page": self._left})
 
     async def close(self) -> None:
         """Close the connection."""

@@ -30,6 +30,7 @@ from ui.model.kiosk import (
     StudyProgress,
     TextToRead,
     ToKiosk,
+    TurnToAwait,
     WentOn,
 )
 
@@ -58,7 +59,7 @@ class Woken:
     """Message about a change outside the window."""
 
 
-Page: TypeAlias = TextToRead | ConsentToAsk | FormToFill | GamePrepared | GameToJoin | GameRecorded
+Page: TypeAlias = TextToRead | ConsentToAsk | FormToFill | GamePrepared | TurnToAwait | GameToJoin | GameRecorded
 
 
 class KioskPages:

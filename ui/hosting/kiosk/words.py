@@ -8,7 +8,16 @@ from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.design.steps import PracticeTerm, StepKind
 from thbridge.experiment.progress import Run
 from thbridge.experiment.store.events import JsonValue, RunState, StepOutcome
-from ui.model.kiosk import ConsentToAsk, FormToFill, GamePrepared, GameRecorded, GameToJoin, TextToRead, ToKiosk
+from ui.model.kiosk import (
+    ConsentToAsk,
+    FormToFill,
+    GamePrepared,
+    GameRecorded,
+    GameToJoin,
+    TextToRead,
+    ToKiosk,
+    TurnToAwait,
+)
 
 NO_PLACES = {NoPlace.FULL: "full", NoPlace.TAKEN: "taken"}
 """Names of the texts for people who arrive when no place in the study is free."""
@@ -38,6 +47,8 @@ def page(shown: ToKiosk) -> str:
             return f"{title}, page {part} of {parts}" if parts > 1 else title
         case GamePrepared():
             return "game starts or ends"
+        case TurnToAwait():
+            return "waiting"
         case GameToJoin(practice=practice):
             return "practice game" if practice else "game"
         case _:
@@ -47,9 +58,9 @@ def page(shown: ToKiosk) -> str:
 # For participants
 
 
-def headed(texts: Texts, name: str) -> tuple[str, str]:
-    """Return the heading and text of a page."""
-    return texts.text(f"kiosk.{name}"), texts.text(f"kiosk.{name}_text")
+def headed(texts: Texts, name: str, part: str = "kiosk") -> tuple[str, str]:
+    """Return the heading and text of a page; `part` is the part of the texts that has them."""
+    return texts.text(f"{part}.{name}"), texts.text(f"{part}.{name}_text")
 
 
 def no_place(texts: Texts, why: NoPlace) -> tuple[str, str]:

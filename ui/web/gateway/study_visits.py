@@ -23,6 +23,7 @@ from ui.model.kiosk import HostStops, StudyTexts, TextToRead, WentOn
 from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.pooled_games import PooledGames
 from ui.web.gateway.tickets import Tickets
+from ui.web.gateway.waiting import await_turn
 from ui.web.pool.pool import WorkerPool
 
 
@@ -101,6 +102,8 @@ class StudyVisits:
         run = self._conductor.progress.runs.get(participant)
         if run is None:
             participant = await self._admit(course, pages)
+            if not participant:
+                return
             self._tickets.keep(secret, participant)
             await course.go_through(participant)
         elif run.state is RunState.UNDER_WAY:
@@ -114,17 +117,32 @@ class StudyVisits:
         text = self.texts.text("pages.close_window")
         await pages.show(TextToRead(0, self.texts.text("kiosk.thank_you"), text, button=""))
 
+    async def _await_place(self, pages: KioskPages) -> None:
+        """Let a visitor wait until a place may be free, or until the study is full."""
+        if not await await_turn(
+            pages,
+            words.headed(self.texts, "waiting_for_place", "web"),
+            lambda: self._conductor.progress.next_place() is not NoPlace.TAKEN,
+        ):
+            heading, text = words.headed(self.texts, "waiting_stopped", "web")
+            await pages.show(TextToRead(0, heading, text, button=self.texts.text("web.wait_again")))
+            while not isinstance(await pages.next(), WentOn):
+                pass
+
     async def _admit(self, course: StudyCourse, pages: KioskPages) -> str:
-        """Show the first page until a visitor has a place; return their id."""
+        """Show the first page until a visitor has a place; return their id, or nothing if the study is full."""
         texts = self.texts
         await course.text_steps.send_instructions(None)
         while True:
             place = self._conductor.progress.next_place()
-            if isinstance(place, NoPlace):
-                await pages.show(TextToRead(0, *words.no_place(texts, place), button=texts.text("kiosk.continue")))
-            else:
-                begin = texts.text("kiosk.begin")
-                await pages.show(TextToRead(0, *words.headed(texts, "welcome"), button=begin, anew=True))
+            if place is NoPlace.FULL:
+                await pages.show(TextToRead(0, *words.headed(texts, "full"), button=""))
+                return ""
+            if place is NoPlace.TAKEN:
+                await self._await_place(pages)
+                continue
+            begin = texts.text("kiosk.begin")
+            await pages.show(TextToRead(0, *words.headed(texts, "welcome"), button=begin, anew=True))
             while not isinstance(await pages.next(), WentOn):
                 pass
             if not isinstance(admitted := self._conductor.admit(), NoPlace):

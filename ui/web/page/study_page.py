@@ -22,6 +22,7 @@ from ui.model.kiosk import (
     StudyTexts,
     TextToRead,
     ToKiosk,
+    TurnToAwait,
 )
 from ui.web.page.patches import Json, tree
 
@@ -82,6 +83,17 @@ class StudyPageMaker:
                     "page": number,
                     "heading": texts.text("pages.one_moment"),
                     "text": sentence,
+                    **self._progress(message.progress),
+                }
+            case TurnToAwait(page=number, heading=heading, text=text, waited=waited):
+                clock = f"{waited // 60}:{waited % 60:02}"
+                return {
+                    "t": "turn",
+                    "page": number,
+                    "heading": heading,
+                    "html": self._html(text, markdown=False),
+                    "waited": texts.text("web.waited", time=clock),
+                    "button": texts.text("web.stop_waiting"),
                     **self._progress(message.progress),
                 }
             case GameToJoin(page=number, practice=practice):

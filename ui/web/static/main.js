@@ -2,9 +2,9 @@
 
 import { element, set } from "./dom.js";
 import { GamePage } from "./game.js";
-import { ConsentPage, FormPage, TextPage, WaitPage } from "./study.js";
+import { ConsentPage, FormPage, TextPage, TurnPage, WaitPage } from "./study.js";
 
-const PAGES = { text: TextPage, recorded: TextPage, consent: ConsentPage, wait: WaitPage, form: FormPage };
+const PAGES = { text: TextPage, recorded: TextPage, consent: ConsentPage, wait: WaitPage, turn: TurnPage, form: FormPage };
 const main = document.getElementById("main");
 const strip = document.getElementById("strip");
 const connection = document.getElementById("connection");
@@ -93,6 +93,10 @@ function replace(next) {
 }
 
 function showPage(message) {
+  if (page?.update && page.message.t === message.t && page.message.page === message.page && !game) {
+    page.update(message);
+    return;
+  }
   if (page?.message && page.message.page === message.page && JSON.stringify(page.message) === JSON.stringify(message) && !game) return;
   replace(new PAGES[message.t](message, send));
   page.start();

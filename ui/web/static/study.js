@@ -113,6 +113,26 @@ export class WaitPage extends Page {
   }
 }
 
+export class TurnPage extends Page {
+  constructor(message, send) {
+    super(message, send);
+    this.element.classList.add("waiting-page");
+    this.waited = element("p", { role: "timer" });
+    this.element.append(
+      html(message.html, { tabindex: "0" }),
+      this.waited,
+      element("progress", { "aria-label": message.heading }),
+      element("footer", { class: "row" }, this.plainButton(message.button, "", () => this.leave({ type: "WentOn" }))),
+    );
+    this.update(message);
+  }
+
+  update(message) {
+    this.message = message;
+    set(this.waited, { text: message.waited });
+  }
+}
+
 export class FormPage extends Page {
   constructor(message, send) {
     super(message, send);

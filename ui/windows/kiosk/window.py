@@ -35,6 +35,7 @@ from ui.model.kiosk import (
     StudyTexts,
     TextToRead,
     ToKiosk,
+    TurnToAwait,
     WentBack,
     WentOn,
 )
@@ -301,8 +302,8 @@ class KioskWindow(QMainWindow):
                 self._offer_instructions()
                 if not texts and self.instructions.isVisible():
                     self._stay()
-            case AnswerKept() | GameNews() | StudyTexts():
-                pass
+            case AnswerKept() | GameNews() | StudyTexts() | TurnToAwait():
+                pass  # At the kiosk, one person takes part at a time, and no one waits for a turn.
 
     def leave(self) -> None:
         """Show the person that the program of the study has stopped.

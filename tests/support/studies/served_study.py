@@ -1,0 +1,36 @@
+"""A study that is served to browsers in this process."""
+
+import asyncio
+import secrets
+import socket
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+
+from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.store.event_log import ExperimentLog
+from ui.web.gateway.serving import ServerOptions, serve_study
+from ui.web.gateway.study_visits import VisitClock
+
+
+@asynccontextmanager
+async def served(folder: Path) -> AsyncIterator[tuple[int, Conductor]]:
+    """Serve the study in a folder; yield the port and the conductor."""
+    place, clock = ExperimentFolder(folder), VisitClock()
+    design = place.read()
+    place.log.parent.mkdir(exist_ok=True)
+    with ExperimentLog(place.log, synced=False) as log:
+        conductor = Conductor(design, log, clock, secrets.randbelow)
+        listening, ready = socket.create_server(("127.0.0.1", 0)), asyncio.Event()
+        options = ServerOptions(listening, 2, None, ready.set)
+        problems: list[str] = []
+        serving = asyncio.create_task(serve_study(place, design, conductor, clock, problems.append, options))
+        await asyncio.wait([serving, asyncio.create_task(ready.wait())], return_when=asyncio.FIRST_COMPLETED)
+        try:
+            yield listening.getsockname()[1], conductor
+        finally:
+            serving.cancel()
+            with suppress(asyncio.CancelledError):
+                await serving
+        assert not problems
