@@ -72,7 +72,7 @@ lock: setup ## Pin the dependencies of pyproject.toml again; existing pins are k
 
 LOWEST := .venv-lowest
 lowest: setup ## Run the quick tests with the lowest versions that pyproject.toml allows; select tests with ARGS="tests/ui -x".
-	$(BIN)/uv venv -q --clear --python $(BIN)/python $(LOWEST)
+	$(BIN)/uv venv -q --clear --seed --python $(BIN)/python $(LOWEST)
 	$(BIN)/uv pip compile -q $(WANTED) --resolution lowest-direct -o $(LOWEST)/requirements.txt
 	$(BIN)/uv pip install -q --python $(LOWEST)/bin/python -r $(LOWEST)/requirements.txt
 	$(BIN)/uv pip install -q --python $(LOWEST)/bin/python --no-deps --no-build-isolation -e .
