@@ -14,9 +14,13 @@ import socket
 import ssl
 from asyncio import BaseProtocol, BaseTransport
 from collections.abc import Callable
+from pathlib import Path
 
+from thbridge.files.disk.regular_files import content_of
+from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.keys.certificate import Certificate
 from thbridge.files.keys.key_file import ClientKey
+from thbridge.files.keys.private_file import check_private
 
 _HANDSHAKE = b"\x16"
 """First byte of a TLS connection: the type of its first record (RFC 8446, 5.1)."""
@@ -25,6 +29,8 @@ _FIRST_BYTE_SECONDS = 1.0
 wait for the server to speak."""
 _HANDSHAKE_SECONDS = 10.0
 _SHUTDOWN_SECONDS = 1.0
+_LARGEST = 1 << 20
+"""Maximum number of bytes of a certificate's file."""
 
 
 class UntrustedServer(ConnectionError):  # noqa: N818 - not a fault of the program
@@ -37,6 +43,37 @@ def server_context(certificate: Certificate) -> ssl.SSLContext:
     context.minimum_version = ssl.TLSVersion.TLSv1_3
     # With an empty password, OpenSSL does not ask for one on the terminal if the file is encrypted.
     context.load_cert_chain(certificate.path, password="")
+    return context
+
+
+def browser_context(certificate: Path, key: Path) -> ssl.SSLContext:
+    """Return the context of a server for browsers.
+
+    Args:
+        certificate: PEM file with the certificate, and the certificates of its authorities if browsers need them.
+        key: PEM file with the private key of the certificate.
+
+    Raises:
+        BadFile: a file cannot be read or is damaged, the files do not belong together, or other accounts may read the
+            private key.
+    """
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.minimum_version = ssl.TLSVersion.TLSv1_3
+    for path in (certificate, key):
+        try:
+            content_of(path, _LARGEST)
+        except OSError as error:
+            raise BadFile(path, f"it cannot be read ({reason_of(error)})", "check the name of the file") from None
+    check_private(key)
+    try:
+        context.load_cert_chain(certificate, key, password="")
+    except ssl.SSLError as error:
+        if error.reason == "KEY_VALUES_MISMATCH":
+            problem, remedy = f"this is not the private key of {certificate}", "give the key of this certificate"
+        else:
+            problem = f"certificate and private key are not usable ({error.reason or error})"
+            remedy = "give files in PEM format, with a private key that needs no password"
+        raise BadFile(key, problem, remedy) from None
     return context
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, NoReturn
 
 from thbridge.sockets.addresses import parse_address
 from thbridge.sockets.admission import is_own, parse_network
@@ -19,11 +19,28 @@ if TYPE_CHECKING:
 
 def with_open_to(study: Study, networks: Sequence[str] | None) -> Study:
     """Return the study with the networks that options name; without networks, return it unchanged."""
-    for text in networks or ():
+    check_networks("--open-to", networks or ())
+    return dataclasses.replace(study, open_to=tuple(networks)) if networks else study
+
+
+def check_networks(option: str, networks: Sequence[str]) -> None:
+    """End the program if one of an option's networks is invalid."""
+    for text in networks:
         if parse_network(text) is None:
             remedy = "Write, for example, 10.0.0.0/24; 0.0.0.0/0 means all machines"
-            fail(BAD_INPUT, f"--open-to: {text!r} is not a network. {remedy}.")
-    return dataclasses.replace(study, open_to=tuple(networks)) if networks else study
+            fail(BAD_INPUT, f"{option}: {text!r} is not a network. {remedy}.")
+
+
+def check_browsers(host: str, open_to: Sequence[str], *, encrypted: bool) -> None:
+    """Do the same as `check_doors` for a server for browsers at a host; `encrypted` is True with TLS."""
+    if is_own(host):
+        return
+    if not open_to:
+        _refuse("browsers", host)
+    if encrypted:
+        note(f"Browsers in {', '.join(open_to)} can connect without a key (TLS).")
+    else:
+        _note_plain(open_to, ["browsers"])
 
 
 def check_doors(
@@ -52,10 +69,7 @@ def check_doors(
             plain = {"the text server": study.server.host} | plain
     if plain and not networks:
         what, host = next(iter(plain.items()))
-        problem = f"{what}: other machines could reach {host}, but no network is allowed to connect"
-        with_keys = " For programs that have a key, add --keys FOLDER instead." if what == "the text server" else ""
-        remedy = "Add --open-to NETWORK (open_to in the study), such as 10.0.0.0/24, or listen on 127.0.0.1"
-        fail(BAD_INPUT, f"{problem}. {remedy}.{with_keys}")
+        _refuse(what, host)
     if watch is not None and not is_own(watch.host):
         if watch.keys is None or watch.keys.tls is None:
             problem = f"researchers' windows: any client at {watch.host} could see all data and command robots"
@@ -66,7 +80,19 @@ def check_doors(
     if keyed:
         note(f"These servers accept remote clients that present a key (TLS): {', '.join(keyed)}.")
     if plain:
-        note(f"These servers accept clients from {networks} without a key and without encryption: {', '.join(plain)}.")
+        _note_plain(study.open_to, plain)
+
+
+def _refuse(what: str, host: str) -> NoReturn:
+    problem = f"{what}: other machines could reach {host}, but no network is allowed to connect"
+    with_keys = " For programs that have a key, add --keys FOLDER instead." if what == "the text server" else ""
+    remedy = "Add --open-to NETWORK (open_to in the study), such as 10.0.0.0/24, or listen on 127.0.0.1"
+    fail(BAD_INPUT, f"{problem}. {remedy}.{with_keys}")
+
+
+def _note_plain(networks: Iterable[str], what: Iterable[str]) -> None:
+    known = ", ".join(networks)
+    note(f"These servers accept clients from {known} without a key and without encryption: {', '.join(what)}.")
 
 
 def _plain_doors(study: Study, graph: GraphAddress | None) -> dict[str, str]:

@@ -2,14 +2,19 @@
 
 import secrets
 import socket
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ui.command_line.options import OpenTo
 from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from thbridge.study.study_file import Study
     from ui.web.gateway.serving import ServerOptions
 
 Served = Annotated[
@@ -19,12 +24,23 @@ Served = Annotated[
 
 def serve(
     served: Served = None,
-    host: Annotated[str, typer.Option(help="Address to listen on; 0.0.0.0 also accepts other machines.")] = "127.0.0.1",
+    host: Annotated[
+        str, typer.Option(help="Address to listen on; 0.0.0.0 also accepts the other machines of --open-to.")
+    ] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="TCP port; 0 is any free port.", min=0, max=65535)] = 8080,
+    open_to: OpenTo = None,
     games: Annotated[int, typer.Option(help="Greatest number of games at the same time.", min=1)] = 8,
     bags: Annotated[Path, typer.Option(help="Folder for recordings of games without a study folder.")] = Path("served"),
     tls_cert: Annotated[Path | None, typer.Option(help="Certificate of the server, a PEM file, for HTTPS.")] = None,
     tls_key: Annotated[Path | None, typer.Option(help="Private key of the certificate, a PEM file.")] = None,
+    proxy: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NETWORK",
+            help="Address or network of a proxy in front of this server, whose headers X-Forwarded-For and "
+            "X-Forwarded-Proto are used. Can be repeated.",
+        ),
+    ] = None,
 ) -> None:
     """Serve games to browsers: one game of a study file for each visitor, or a whole study with people."""
     try:
@@ -32,31 +48,47 @@ def serve(
     except ModuleNotFoundError as missing:
         fail(BAD_INPUT, f"The package {missing.name} is not installed. Install it: pip install 'thbridge[web]'")
     from thbridge.files.disk.synced import make_folder
+    from thbridge.sockets.addresses import Address
+    from thbridge.sockets.admission import Admission
+    from thbridge.sockets.tls import browser_context
+    from thbridge.study.study_file import Study
     from ui.command_line.event_loop import run
+    from ui.command_line.networks import check_browsers, check_networks
     from ui.command_line.settings import note_doubts, setting_of, study_of
     from ui.first_start.compiling import compile_ahead
 
+    check_networks("--open-to", open_to or ())
+    check_networks("--proxy", proxy or ())
     if (tls_cert is None) != (tls_key is None):
         fail(BAD_INPUT, "--tls-cert and --tls-key belong together. Give both, or neither.")
-    tls = None if tls_cert is None or tls_key is None else (tls_cert, tls_key)
-    listening = _listen(host, port)
-    shown = f"http{'' if tls is None else 's'}://{host}:{listening.getsockname()[1]}/"
-    options = ServerOptions(listening, games, tls, lambda: note(f"Open {shown} in a browser."))
+    with bad_input():
+        tls = None if tls_cert is None or tls_key is None else browser_context(tls_cert, tls_key)
+
+    def options(study: Study) -> ServerOptions:
+        """Return the options of the gateway; its port is taken from now on."""
+        networks = tuple(open_to or study.open_to)
+        check_browsers(host, networks, encrypted=tls is not None)
+        listening = _listen(host, port)
+        shown = f"http{'' if tls is None else 's'}://{Address(host, listening.getsockname()[1])}/"
+        ready = partial(note, f"Open {shown} in a browser.")
+        return ServerOptions(listening, games, tls, ready, Admission.to(networks), tuple(proxy or ()))
+
     if served is not None and served.is_dir():
         _serve_folder(served, options)
         return
     study = study_of(served, {})
     note_doubts(setting_of(study, served))
+    chosen = options(study)
     compile_ahead(whole_hunt=True)
 
     def new_bag() -> Path:
         make_folder(bags)
         return bags / f"{secrets.token_hex(6)}.bag"
 
-    run(serve_games(study, served, new_bag, options))
+    run(serve_games(study, served, new_bag, chosen))
 
 
-def _serve_folder(folder: Path, options: "ServerOptions") -> None:
+def _serve_folder(folder: Path, options: "Callable[[Study], ServerOptions]") -> None:
     from thbridge.experiment.check import read_for_people
     from thbridge.experiment.conductor import Conductor
     from thbridge.experiment.folder import ExperimentFolder
@@ -73,6 +105,7 @@ def _serve_folder(folder: Path, options: "ServerOptions") -> None:
     with bad_input():
         place, clock = ExperimentFolder(folder), VisitClock()
         design = read_for_people(place)
+    chosen = options(design.study)
     compile_ahead(whole_hunt=True)
     with bad_input():
         make_folder(place.log.parent)
@@ -82,7 +115,7 @@ def _serve_folder(folder: Path, options: "ServerOptions") -> None:
         conductor.listeners.append(markers.push)
         for trouble in markers.troubles:
             note(trouble)
-        run(serve_study(place, design, conductor, clock, note, options))
+        run(serve_study(place, design, conductor, clock, note, chosen))
 
 
 def _listen(host: str, port: int) -> socket.socket:

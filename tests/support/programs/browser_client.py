@@ -84,6 +84,17 @@ class BrowserClient:
         assert self._socket is not None
         await self._socket.send(json.dumps(message, separators=(",", ":")))
 
+    async def send_text(self, text: str | bytes) -> None:
+        """Send a message that need not be valid."""
+        assert self._socket is not None
+        await self._socket.send(text)
+
+    async def closed(self) -> int:
+        """Wait until the server closes the connection; return its reason."""
+        assert self._socket is not None
+        await self._socket.wait_closed()
+        return self._socket.close_code or 0
+
     async def press(self, key: str) -> None:
         """Press a key."""
         await self.send({"t": "key", "n": self.number, "at": self.now, "key": key})

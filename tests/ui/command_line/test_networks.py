@@ -6,6 +6,7 @@ import pytest
 
 from tests.support.programs.commands import invoke
 from tests.support.programs.ports import free_port
+from thbridge.files.keys.certificate import certificate_of
 from thbridge.recording.bag.reading.reader import recorded
 from thbridge.ros.messages import types, unpack
 from thbridge.study.study_file import read_study_text
@@ -35,6 +36,7 @@ def refusal(*arguments: str) -> str:
         (("play", "--headless", "--ros", "--ros-host", "10.0.0.1"), "ROS"),
         (("play", "--headless", "--mavlink", "--tcp", "0.0.0.0:5760"), "MAVLink by TCP"),
         (("play", "--headless", "--mavlink", "--udp-listen", "0.0.0.0:5760"), "MAVLink by UDP"),
+        (("serve", "--host", "0.0.0.0"), "browsers"),
     ],
 )
 def test_a_door_to_other_machines_wants_their_networks_named(arguments: tuple[str, ...], door: str) -> None:
@@ -72,8 +74,21 @@ def test_a_door_with_keys_is_encrypted_and_needs_no_network() -> None:
 
 def test_networks_that_are_none_are_told() -> None:
     assert "--open-to: 'lab' is not a network" in refusal("server", "--open-to", "lab")
+    assert "--open-to: 'lab' is not a network" in refusal("serve", "--open-to", "lab")
+    assert "--proxy: 'lab' is not a network" in refusal("serve", "--proxy", "lab")
     Path("study.yaml").write_text("open_to: [10.0.0.0/24, 10.0.0.0/64]\n")
     assert "study.yaml, line 1, open_to[1]: '10.0.0.0/64' is not a network" in refusal("server", "study.yaml")
+
+
+def test_certificates_for_browsers_that_do_not_fit_are_told() -> None:
+    one, other = (certificate_of(Path(name), "2026-03-01T12:00:00+00:00").path for name in ("one", "other"))
+    tls = ("serve", "--host", "0.0.0.0", "--open-to", "10.0.0.0/24", "--tls-cert", str(one))
+    assert "--tls-cert and --tls-key belong together" in refusal(*tls)
+    assert "this is not the private key of one/certificate.pem" in refusal(*tls, "--tls-key", str(other))
+    assert "missing.pem: it cannot be read" in refusal(*tls, "--tls-key", "missing.pem")
+    assert "are not usable" in refusal(*tls, "--tls-key", "key.txt")
+    one.chmod(0o644)
+    assert "run: chmod 600" in refusal(*tls, "--tls-key", str(one)).replace("Run", "run")
 
 
 def test_who_is_let_in_is_told_and_recorded() -> None:

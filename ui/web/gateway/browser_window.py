@@ -9,6 +9,7 @@ import msgspec
 
 from thbridge.dialogue.wording.texts import Texts
 from ui.model.kiosk import KIOSK, FromKiosk, GameSeenOver, GameToJoin, KioskClosed, StudyTexts, ToKiosk, WentOn
+from ui.web.page.messages import FROM_GAME_PAGE
 from ui.web.page.study_page import StudyPageMaker
 from ui.web.pool.pool import HostedGame
 
@@ -23,9 +24,14 @@ class BrowserWindow:
 
     Args:
         texts: texts until the study has sent its own.
+
+    Attributes:
+        has_place: True while the person has a place in the study or plays a game. A visitor without a place may be
+            forgotten.
     """
 
     def __init__(self, texts: Texts) -> None:
+        self.has_place = False
         self._maker = StudyPageMaker(texts)
         self._kept: list[ToKiosk] = []
         self._requests: asyncio.Queue[FromKiosk] = asyncio.Queue()
@@ -109,6 +115,7 @@ class BrowserWindow:
             msgspec.MsgspecError: the message is malformed.
         """
         if text.startswith(GAME_MESSAGES):
+            FROM_GAME_PAGE.decode(text)
             if self._game is not None:
                 self._game.pass_on(text)
             return

@@ -93,6 +93,7 @@ class SingleGames:
             nonlocal went_on
             went_on |= isinstance(message, SeatWentOn)
 
+        window.has_place = True
         try:
             async with self._pool.start(request, window.show, news) as game:
                 window.play(game)
@@ -107,6 +108,7 @@ class SingleGames:
             await window.send(TextToRead(0, stopped, texts.text("kiosk.cannot_go_on"), ""))
             return
         finally:
+            window.has_place = False
             window.play(None)
         ended = texts.text("kiosk.game_ended")
         if not went_on:

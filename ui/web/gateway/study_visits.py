@@ -88,22 +88,25 @@ class StudyVisits:
         listening = asyncio.create_task(pages.listen())
         try:
             with contextlib.suppress(KioskStopped):
-                await self._go_through(course, pages, secret)
+                await self._go_through(course, pages, window, secret)
         except BadFile as bad:
             self._report(str(bad))
             text = self.texts.text("kiosk.failed_text")
             await window.send(HostStops(self.texts.text("kiosk.pauses"), text))
         finally:
+            window.has_place = False
             listening.cancel()
             await asyncio.gather(listening, return_exceptions=True)
 
-    async def _go_through(self, course: StudyCourse, pages: KioskPages, secret: str) -> None:
+    async def _go_through(self, course: StudyCourse, pages: KioskPages, window: BrowserWindow, secret: str) -> None:
         participant = self._tickets.participant(secret)
         run = self._conductor.progress.runs.get(participant)
+        window.has_place = run is not None
         if run is None:
             participant = await self._admit(course, pages)
             if not participant:
                 return
+            window.has_place = True
             self._tickets.keep(secret, participant)
             await course.go_through(participant)
         elif run.state is RunState.UNDER_WAY:

@@ -34,7 +34,9 @@ function connect() {
   socket.addEventListener("close", ({ code }) => {
     if (ended) return;
     if (code === 4403) {
-      location.reload();
+      // The server no longer knows this page, unless it never knew it: then the browser does not keep the cookie.
+      if (Object.keys(words).length) location.reload();
+      else set(connection, { text: connection.dataset.cookies, hidden: false });
       return;
     }
     set(connection, { text: words["web.lost"] ?? document.title, hidden: false });

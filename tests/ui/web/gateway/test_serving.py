@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 
 import pytest
-from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.exceptions import ConnectionClosed
 
 from tests.support.programs.browser_client import BrowserClient
 from thbridge.study.study_file import ServerSection, Study
@@ -89,23 +89,6 @@ def test_a_second_tab_takes_over_and_the_first_one_is_informed(tmp_path: Path) -
         await second.close()
 
     scenario(tmp_path, play)
-
-
-def test_foreign_pages_and_guessed_cookies_get_no_socket(tmp_path: Path) -> None:
-    async def play(port: int) -> None:
-        browser = BrowserClient(port)
-        await asyncio.to_thread(browser.load)
-        for cookie, origin in (
-            (browser.cookie, "http://elsewhere.example"),
-            ("thbridge=" + 32 * "A", None),
-            ("", None),
-        ):
-            guess = BrowserClient(port, cookie)
-            with pytest.raises(InvalidStatus):
-                await guess.open(origin)
-
-    scenario(tmp_path, play)
-    assert not list(tmp_path.glob("*.inputs"))
 
 
 def test_a_browser_receives_no_treasure_before_it_is_found(tmp_path: Path) -> None:
