@@ -1,5 +1,6 @@
-"""The HTML report of a recording."""
+"""HTML pages about a recording."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ from ui.command_line.outputs import STANDARD_OUTPUT, destination
 from ui.command_line.terminal import note
 
 if TYPE_CHECKING:
+    from sim.common.grid import OccupancyGrid
     from thbridge.analysis.report.tracks import TrajectoryTopics
 
 
@@ -32,6 +34,23 @@ def write_report(
     from thbridge.analysis.report.tracks import FOUND_BY_NAME  # noqa: PLC0415
     from thbridge.analysis.report_page.page import build_report  # noqa: PLC0415
 
+    write_page(bag, page, map_yaml, lambda grid: build_report(bag, grid, tell, named or FOUND_BY_NAME))
+    if page != STANDARD_OUTPUT:
+        note(f"Report: {page}")
+
+
+def write_page(bag: Path, page: Path, map_yaml: Path | None, build: "Callable[[OccupancyGrid | None], str]") -> None:
+    """Write a page about a bag.
+
+    Args:
+        bag: recording.
+        page: file to write.
+        map_yaml: map to draw, instead of the map in the bag.
+        build: function that returns the page; it receives the map of `map_yaml`, or None.
+
+    Raises:
+        BadFile: the bag or the map cannot be read, or the page cannot be written.
+    """
     if page.exists() and bag.exists() and page.samefile(bag):
         raise BadFile(page, "this is the bag itself", "choose another file with --to")
     grid = None
@@ -39,8 +58,6 @@ def write_report(
         from ui.command_line.grids import grid_at  # noqa: PLC0415 - imports 20 MB
 
         grid = grid_at(map_yaml)
-    html = build_report(bag, grid, tell, named or FOUND_BY_NAME)
+    html = build(grid)
     with destination(page) as file:
         write_whole(file, html.encode(errors="replace"), "choose another file with --to")
-    if page != STANDARD_OUTPUT:
-        note(f"Report: {page}")

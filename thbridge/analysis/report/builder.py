@@ -114,7 +114,9 @@ class ReportBuilder:
         self._series = SeriesByTopic(named)
         self._session: SessionRecord | None = None
         self._grids: dict[str, OccupancyGrid] = {}
-        self._score: ScoreRecord | None = None
+        self._scores: list[tuple[float, ScoreRecord]] = []
+        self._events: list[tuple[float, GameEvent]] = []
+        self._utterances: list[tuple[float, UtteranceRecord]] = []
         self._timeline: list[TimelineEntry] = []
         self._inputs = 0
         self._outlines: defaultdict[str, list[FloatArray]] = defaultdict(list)
@@ -138,7 +140,7 @@ class ReportBuilder:
     @property
     def has_game(self) -> bool:
         """True if a game began, or if a game was already running when the recording began."""
-        return self.game is not None or self._score is not None
+        return self.game is not None or bool(self._scores)
 
     def next_game(self, begins_ns: int) -> "ReportBuilder":
         """Return the builder of the next game. Copy the session, map and rooms, because they are recorded only once."""
@@ -191,7 +193,7 @@ class ReportBuilder:
             tracks,
             tuple(_thing(name, outlines) for name, outlines in self._outlines.items()),
             tuple(self._timeline),
-            self._score,
+            self._scores[-1][1] if self._scores else None,
             self._inputs,
             (*self._unread.values(), *left_out, *self._missing(tracks, grid)),
             self.game,
@@ -199,6 +201,9 @@ class ReportBuilder:
             self._rooms,
             self._dialogues.dialogues(),
             left_out,
+            tuple(self._events),
+            tuple(self._utterances),
+            tuple(self._scores),
         )
 
     def _missing(self, tracks: tuple[Track, ...], grid: OccupancyGrid | None) -> Iterable[str]:
@@ -218,7 +223,7 @@ class ReportBuilder:
             yield f"No energy of {names}: no topic of type sensor_msgs/BatteryState."
         if not self._timeline:
             yield "No events and no utterances: neither /hunt/events nor /dialogue/utterances."
-        if self._score is None:
+        if not self._scores:
             yield "No score: no messages on /hunt/score."
 
     def _map(self, time: float, topic: str, data: bytes) -> None:
@@ -237,10 +242,11 @@ class ReportBuilder:
         self._session = unpack.session(data)
 
     def _take_score(self, time: float, topic: str, data: bytes) -> None:
-        self._score = unpack.score(data)
+        self._scores.append((time, unpack.score(data)))
 
     def _event(self, time: float, topic: str, data: bytes) -> None:
         event = unpack.game_event(data)
+        self._events.append((time, event))
         who = "" if event.robot is None else robot_name(event.robot)
         if event.kind == "carried" and event.robot is not None:
             self._series.carried[namespace_of(event.robot)].append(time)
@@ -250,6 +256,7 @@ class ReportBuilder:
     def _utterance(self, time: float, topic: str, data: bytes) -> None:
         message: UtteranceRecord = unpack.utterance(data)
         self._dialogues.take_utterance(message)
+        self._utterances.append((time, message))
         robot = robot_name(message.robot)
         who = robot if message.speaker == "robot" else f"participant to {robot}"
         who += " (researcher)" if message.author == "wizard" else ""

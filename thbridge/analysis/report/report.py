@@ -10,7 +10,7 @@ from sim.common.robot_numbers import index_of, robot_name
 from sim.numerics.float_array import FloatArray
 from thbridge.analysis.report.dialogues import RecordedDialogues
 from thbridge.hunt.rooms import RoomNames
-from thbridge.ros.messages.session_records import ScoreRecord, SessionRecord
+from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
 
 _OURS = re.compile(r"robot([1-9][0-9]*)")
 NEVER: FloatArray = np.empty(0)
@@ -165,6 +165,9 @@ class Report:
             its beginning.
         dialogues: argumentation dialogues.
         left_out: sentences about values that no figure can show; they are also in `missing`.
+        events: events of the game as they were recorded, with their times, s.
+        utterances: utterances as they were recorded, with their times, s.
+        scores: all scores as they were recorded, with their times, s.
     """
 
     duration: float
@@ -181,3 +184,6 @@ class Report:
     rooms: RoomNames = field(default_factory=RoomNames)
     dialogues: RecordedDialogues = field(default_factory=RecordedDialogues)
     left_out: tuple[str, ...] = ()
+    events: tuple[tuple[float, GameEvent], ...] = ()
+    utterances: tuple[tuple[float, UtteranceRecord], ...] = ()
+    scores: tuple[tuple[float, ScoreRecord], ...] = ()

@@ -1,4 +1,5 @@
-// Map: floor, rooms and robots in SVG. Robots glide from where they are shown to their latest pose.
+// Map: floor, rooms and robots in SVG. Robots glide from where they are shown to their latest pose. A robot of a recording
+// has its own trail, and is shown exactly at its pose.
 
 import { element, list, set, shape } from "./dom.js";
 
@@ -114,12 +115,13 @@ export class GameMap {
       known = { x: robot.x, y: robot.y, theta: robot.theta / 1000, made, number, path, trail, points: [] };
       this.robots.set(index, known);
     }
-    if (Math.hypot(robot.x - known.x, robot.y - known.y) > JUMP) {
+    if (robot.trail || Math.hypot(robot.x - known.x, robot.y - known.y) > JUMP) {
       Object.assign(known, { x: robot.x, y: robot.y, theta: robot.theta / 1000, points: [] });
     }
     known.target = robot;
     set(known.made, { "data-selected": robot.selected, "data-trouble": robot.trouble, "data-commanded": !!robot.commander });
     set(known.path, { points: pairs(robot.path) });
+    if (robot.trail) set(known.trail, { points: pairs(robot.trail) });
   }
 
   #glide(now) {
@@ -136,7 +138,7 @@ export class GameMap {
       set(robot.made, { transform: `translate(${robot.x.toFixed(1)} ${robot.y.toFixed(1)}) rotate(${((robot.theta * 180) / Math.PI).toFixed(1)})` });
       set(robot.number, { transform: `translate(${robot.x.toFixed(1)} ${(-robot.y).toFixed(1)})` });
       const end = robot.points.at(-1);
-      if (!end || Math.hypot(robot.x - end[0], robot.y - end[1]) >= TRAIL_STEP) {
+      if (!robot.target.trail && (!end || Math.hypot(robot.x - end[0], robot.y - end[1]) >= TRAIL_STEP)) {
         robot.points.push([robot.x, robot.y]);
         if (robot.points.length > TRAIL_POINTS) robot.points.shift();
         set(robot.trail, { points: robot.points.map(([x, y]) => `${x.toFixed(0)},${y.toFixed(0)}`).join(" ") });
