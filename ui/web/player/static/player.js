@@ -180,7 +180,7 @@ class Player {
       element("span", {}, element("span", { class: "muted", text: words.score }), this.points),
       element("span", {}, element("span", { class: "muted", text: words.rooms_visited }), this.visited),
     );
-    by("place").append(this.stage.map.element, element("div", { class: "over" }, this.figures, whole));
+    by("place").append(element("div", { class: "over" }, this.figures, whole), this.stage.map.element);
     if (this.recording.games.some((game) => game.robots.some((robot) => robot.belief))) {
       by("place").append(element("p", { class: "note muted", text: words.belief }));
     }

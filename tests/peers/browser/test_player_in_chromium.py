@@ -1,0 +1,91 @@
+"""The player's page, opened from disk in Debian's Chromium, shows what the recording has; axe-core judges it."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.support.hunts.recorded_hunts import record_beginning
+from tests.support.project import ROOT
+from thbridge.analysis.report.builder import read_report
+from thbridge.analysis.report.report import Report
+from thbridge.recording.bag.reading.reader import messages
+from ui.web.player.page import build_player
+
+SELENIUM = ROOT / ".peers" / "selenium" / "bin" / "python"
+
+pytestmark = pytest.mark.skipif(
+    not (SELENIUM.exists() and Path("/usr/bin/chromium").exists() and Path("/usr/bin/chromedriver").exists()),
+    reason="Chromium or selenium is not installed (make peers, as root)",
+)
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return record_beginning(tmp_path_factory.mktemp("player") / "hunt.bag", 2, 16.0)
+
+
+@pytest.fixture(scope="module")
+def report(bag: Path) -> Report:
+    return read_report(messages(bag))
+
+
+@pytest.mark.parametrize(
+    ("how", "width", "height", "scheme"),
+    [
+        ("mouse", 1440, 900, "light"),
+        ("touch", 390, 844, "dark"),
+        pytest.param("mouse", 1024, 768, "dark", marks=pytest.mark.slow),
+        pytest.param("touch", 360, 740, "light", marks=pytest.mark.slow),
+    ],
+)
+def test_a_person_looks_at_a_recording(
+    how: str, width: int, height: int, scheme: str, bag: Path, report: Report, tmp_path: Path
+) -> None:
+    page = tmp_path / "hunt-player.html"
+    page.write_text(build_player(bag), encoding="utf-8")
+    script = Path(__file__).with_name("player_in_chromium.py")
+    looked = subprocess.run(
+        [SELENIUM, script, page, how, str(width), str(height), scheme, tmp_path],
+        capture_output=True,
+        text=True,
+        timeout=200,
+        check=False,
+    )
+    assert looked.returncode == 0, looked.stderr
+    result = json.loads(looked.stdout.splitlines()[-1])
+    assert result["errors"] == []
+    assert result["faults"] == []
+    steps = result["steps"]
+    assert steps["start"]["at"] == 0.0
+    assert steps["start"]["robots"] != steps["five seconds"]["robots"]
+    assert steps["five seconds"]["at"] == pytest.approx(5.0)
+    assert steps["middle"]["at"] == pytest.approx(report.duration / 2.0, rel=0.02)
+    assert steps["next event"]["at"] > steps["middle"]["at"]
+    assert steps["end"]["at"] == pytest.approx(report.duration, abs=0.02)
+    assert steps["last entry"]["active"] == [steps["end"]["active"][0]]
+    for name in ("five seconds", "middle", "next event", "end"):
+        _assert_values_of(report, steps[name])
+    assert not any(step["wider"] for step in steps.values())
+
+
+def _assert_values_of(report: Report, shown: dict[str, object]) -> None:
+    """Check that a step of the page shows the recorded poses and values at its time."""
+    at = shown["at"]
+    assert isinstance(at, int | float)
+    robots, plots = shown["robots"], shown["plots"]
+    assert isinstance(robots, list)
+    assert isinstance(plots, dict)
+    for index, track in enumerate(report.tracks):
+        x, y, *_ = robots[index]
+        for value, column in ((x, 1), (y, 2)):
+            assert value / 100.0 == pytest.approx(np.interp(at, track.truth[:, 0], track.truth[:, column]), abs=0.03)
+        left = track.energy[track.energy[:, 0] <= at, 1][-1]
+        assert float(plots["Energy"][index]) == pytest.approx(left, abs=0.06)
+        nearby = np.abs(track.errors[:, 0] - at) < 0.05
+        error = 100.0 * track.errors[nearby, 1]
+        assert error.min() - 0.35 < float(plots["Position error"][index]) < error.max() + 0.35
+    score = [record.score for time, record in report.scores if time <= at + 0.005][-1]
+    assert plots["Score"] == [str(score)]
