@@ -20,14 +20,15 @@ TIMEOUT = 30.0
 SHOWN = """
 const all = (selector, within = document) => [...within.querySelectorAll(selector)];
 const numbers = (mark) => mark.getAttribute("transform").match(/-?[0-9.]+/g).map(Number);
-const plot = (figure) => [figure.querySelector("h3").firstChild.data, all(".values b", figure).map((b) => b.textContent)];
+const texts = (selector, within) => all(selector, within).map((each) => each.textContent);
+const plot = (figure) => [figure.querySelector("h3").firstChild.data, texts(".values b", figure)];
 const slider = document.querySelector(".timeline input");
 return {
   at: Number(slider.value),
   duration: Number(slider.max),
   robots: all(".map g.robot").map(numbers),
   plots: Object.fromEntries(all("figure").map(plot)),
-  active: all(".entry[aria-current] .words").map((words) => words.textContent),
+  active: texts(".entry[aria-current] .words"),
   playing: document.querySelector(".icon.main").getAttribute("aria-label"),
   wider: document.documentElement.scrollWidth > document.documentElement.clientWidth,
 };

@@ -11,7 +11,13 @@ from tests.support.hunts.recorded_hunts import record_beginning
 from tests.support.project import ROOT
 from thbridge.analysis.report.builder import read_report
 from thbridge.analysis.report.report import Report
+from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.reading.reader import messages
+from thbridge.recording.bag.writing.writer import BagWriter
+from thbridge.ros.messages import pack, types
+from thbridge.ros.messages.session_records import UtteranceRecord
+from thbridge.ros.names import UTTERANCES
+from thbridge.ros.publisher import RosMessage, Topic
 from ui.web.player.page import build_player
 
 SELENIUM = ROOT / ".peers" / "selenium" / "bin" / "python"
@@ -22,9 +28,21 @@ pytestmark = pytest.mark.skipif(
 )
 
 
+HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(2)>"
+
+
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return record_beginning(tmp_path_factory.mktemp("player") / "hunt.bag", 2, 16.0)
+    """The beginning of a hunt; at its end, a robot says a text that would run scripts as HTML."""
+    folder = tmp_path_factory.mktemp("player")
+    recorded = [*messages(record_beginning(folder / "recorded.bag", 2, 16.0))]
+    said = UtteranceRecord(99, "robot", 0, 1, "select-room", HOSTILE, "claim", "robot")
+    with BagWriter(folder / "hunt <img src=x onerror=alert(3)>.bag", Definitions(())) as writer:
+        for message in recorded:
+            writer.write(RosMessage(Topic(message.topic, message.msgtype), message.stamp_ns, message.data))
+        last = recorded[-1].stamp_ns
+        writer.write(RosMessage(Topic(UTTERANCES, types.UTTERANCE), last, pack.utterance(0, said)))
+    return folder / "hunt <img src=x onerror=alert(3)>.bag"
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +86,8 @@ def test_a_person_looks_at_a_recording(
     assert steps["last entry"]["active"] == [steps["end"]["active"][0]]
     for name in ("five seconds", "middle", "next event", "end"):
         _assert_values_of(report, steps[name])
+    # A script that ran would have opened a dialog, and the rest of the steps would have failed.
+    assert steps["end"]["active"] == [f"Robot 1{HOSTILE}"]
     assert not any(step["wider"] for step in steps.values())
 
 

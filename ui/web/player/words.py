@@ -11,12 +11,12 @@ from thbridge.ros.messages.session_records import GameEvent, UtteranceRecord
 from ui.web.player.content import EntryMark, PlayedEntry
 
 _INCIDENTS = {
-    "collision": EntryMark.FAILED,
-    "carried": EntryMark.FAILED,
-    "died": EntryMark.FAILED,
-    "revived": EntryMark.OTHER,
+    "collision": (EntryMark.FAILED, "player.collision"),
+    "carried": (EntryMark.FAILED, "player.moved"),
+    "died": (EntryMark.FAILED, "player.died"),
+    "revived": (EntryMark.OTHER, "player.revived"),
 }
-"""Recorded kinds of events of a robot that are not events of the game, with their marks."""
+"""Recorded kinds of events of a robot that are not events of the game, with their marks and texts."""
 _OMITTED = (
     events.TreasuresHidden
     | events.ConsentGiven
@@ -52,8 +52,8 @@ class EventWords:
         if isinstance(event, _OMITTED) or recorded.kind == "authored":
             return None
         if recorded.kind in _INCIDENTS and recorded.robot is not None:
-            text = self.texts.text(f"player.{recorded.kind}", robot=recorded.robot)
-            return PlayedEntry(at, _INCIDENTS[recorded.kind], "", robot, "", text)
+            mark, key = _INCIDENTS[recorded.kind]
+            return PlayedEntry(at, mark, "", robot, "", self.texts.text(key, robot=recorded.robot))
         if event is None:
             return PlayedEntry(at, EntryMark.OTHER, "", robot, "", _plain(recorded))
         mark, text = self._words(event)

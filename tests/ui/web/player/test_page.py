@@ -233,7 +233,7 @@ def test_an_hour_of_ten_robots_needs_at_most_five_megabytes(report: Report) -> N
         1, "robot", 0, 1, "select-room", "Room 2 (West) would be best for me. Shall I go?", "claim", "robot"
     )
     hour = replace(
-        report, duration=3600.0, tracks=tuple(tracks), utterances=tuple((t, said) for t in np.arange(0.0, 3600.0))
+        report, duration=3600.0, tracks=tuple(tracks), utterances=tuple((float(second), said) for second in range(3600))
     )
     game = played_game(hour, GameContext(None, shipped_texts()), several=False)
     floor = floor_of(arena(), (), RoomNames(), Study())

@@ -22,6 +22,7 @@ class Player {
     this.showGame(Number(place.get("game") ?? 1) - 1);
     this.seek(Number(place.get("t") ?? 0));
     new ResizeObserver(() => this.#resize()).observe(by("plots"));
+    new ResizeObserver(() => this.#fitScreen()).observe(document.querySelector(".head"));
     new ResizeObserver(() => this.#marks()).observe(this.transport.timeline);
   }
 
@@ -79,10 +80,11 @@ class Player {
     this.show();
   }
 
+  // Follows a robot, or stops following it; null stops following without moving the map.
   follow(robot) {
     if (robot >= this.game.robots.length) return;
     this.followed = this.followed === robot ? null : robot;
-    if (this.followed === null) this.stage.map.fit();
+    if (this.followed === null && robot !== null) this.stage.map.fit();
     this.show();
   }
 
@@ -144,6 +146,11 @@ class Player {
 
   #marks() {
     if (this.game) this.transport.showMarks(this.transcript.visible);
+  }
+
+  // Map and list fill the first screen, between the facts at the top and the playback at the bottom.
+  #fitScreen() {
+    set(by("stage"), { style: `--above: ${document.querySelector(".head").offsetHeight}px` });
   }
 
   #resize() {

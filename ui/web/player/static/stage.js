@@ -8,9 +8,12 @@ const TRAIL = 500; // Length in centimeters of the trail behind a robot.
 const MOVED = 60; // Distance in centimeters between samples from which a robot was moved by hand.
 
 export class Stage {
-  // `choose` is called with the index of a robot that a person clicks on.
+  // `choose` is called with the index of a robot that a person clicks on, and with null when a person moves the map.
   constructor(name, recording, choose) {
-    this.map = new GameMap((act) => act.robot !== undefined && choose(act.robot), name);
+    this.map = new GameMap((act) => {
+      if (act.act === "FollowRobot") choose(null);
+      else if (act.robot !== undefined) choose(act.robot);
+    }, name);
     this.beliefs = shape("g", { class: "beliefs" });
     if (recording.floor) {
       this.map.showFloor(recording.floor);
