@@ -1,1 +1,1 @@
-"""Writing, reading and repair of sessions' recordings: bags, journals, telemetry logs."""
+"""Writing, reading and repair of the recordings of sessions: bags and journals."""

@@ -61,7 +61,7 @@ class TrafficRecorder(Protocol):
 
 
 class Fleet:
-    """Team of real robots. It implements `thbridge.roles.simr.team.Robots`.
+    """Team of real robots. It implements `thbridge.roles.simr.team.RobotTeam`.
 
     Args:
         graph: address of their ROS graph.
