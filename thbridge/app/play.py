@@ -2,12 +2,13 @@
 
 import logging
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack, closing
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from pathlib import Path
+from typing import Protocol
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from thbridge.app.compose.recording import build_publisher, build_record, build_recorder
@@ -18,7 +19,7 @@ from thbridge.app.consent import ConsentDesk, ParticipantDeclined, introduction
 from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress, listeners
 from thbridge.app.run_statistics import RobotStatistics, RunStatistics
 from thbridge.app.session.giving import give
-from thbridge.app.session.input_log import InputLog
+from thbridge.app.session.input_log import InputLog, LoggedTick
 from thbridge.app.session.inputs import ConnectionOpened, LinkOpened
 from thbridge.app.session.recording import TlogRecorder
 from thbridge.app.session.session import (
@@ -35,6 +36,7 @@ from thbridge.mavlink.files.tlog import TlogFile
 from thbridge.mavlink.sockets.server import MavlinkPorts, MavlinkServer
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.mavlink.wire.outgoing import LinkId
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, tlog_of
 from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
@@ -55,6 +57,9 @@ _log = logging.getLogger(__name__)
 
 PLAY = "play"
 """Name of this program in recordings."""
+
+CHECKPOINT_TICKS = 20 * TICKS_PER_SECOND
+"""Number of ticks between two checkpoints. The ticks since a checkpoint are run again in about two seconds."""
 
 FINAL_TICKS = TICKS_PER_SECOND // 2
 """Number of ticks after the end of the game, in which all programs and the bag receive the last messages."""
@@ -119,6 +124,20 @@ class HuntUnfinished(Exception):  # noqa: N818 - nothing went wrong with the pro
         self.stopped = stopped
 
 
+class Checkpoints(Protocol):
+    """Sleeping copies of this process, which continue a hunt if this process is killed."""
+
+    def take(self) -> bool:
+        """Make a copy of this process, and end the earlier copy.
+
+        Returns:
+            False in this process. True in the copy, after this process was killed.
+        """
+
+    def drop(self) -> None:
+        """End the copy, because the hunt is over."""
+
+
 @dataclass(frozen=True, slots=True)
 class PlayOptions:
     """Options of a hunt, in addition to the study.
@@ -141,6 +160,8 @@ class PlayOptions:
         meter: meter of the real time of this game, used if there is a log of inputs. If None, a new meter is used.
         keys: keys with which programs on other machines can take part; None if there are no keys.
         run: unique name of this run, for the record of uses of keys.
+        checkpoints: copies of this process, made every `CHECKPOINT_TICKS`. They need a log of inputs. If None, only the
+            log of inputs can resume the hunt.
     """
 
     rate: float
@@ -157,6 +178,7 @@ class PlayOptions:
     meter: PaceMeter | None = None
     keys: RingKeys | None = None
     run: str = ""
+    checkpoints: Checkpoints | None = None
 
 
 async def play(
@@ -192,8 +214,10 @@ async def play(
         hunt = _Hunt(setting, participant, options, links, ready)
         await hunt.agree(opened)
         await hunt.record(opened, callbacks)
-        went_on = await hunt.go_on()
+        went_on = await hunt.go_on(progress)
         await hunt.serve(opened, callbacks)
+        if options.checkpoints is not None:
+            opened.callback(options.checkpoints.drop)
         run = await run_ticks(partial(hunt.tick, progress), hunt.pacer) if went_on else LoopResult(False, 0.0)
     return hunt.outcome(run)
 
@@ -237,6 +261,10 @@ class _Hunt:
         asks = setting.consent and self._programs.participant is None
         self._desk = ConsentDesk(self._session.router, introduction(setting)) if asks else None
         self._inputs: InputLog | None = None
+        self._journals: JournalStore | None = None
+        self._bags: list[BagWriter] = []
+        self._where: ListeningAddress | CannotListen | None = None
+        self._checkpoint_due = CHECKPOINT_TICKS
         self._statistics = RunStatistics()
         self._ending = EndCondition(options.max_seconds, options.left)
         self._troubles = TroubleLog()
@@ -274,7 +302,8 @@ class _Hunt:
         )
         log: EventLog | None = None
         if options.bag is not None:
-            log = opened.enter_context(closing(JournalStore(journal_of(options.bag))))
+            log = self._journals = opened.enter_context(closing(JournalStore(journal_of(options.bag))))
+        self._bags = [each for each in audience if isinstance(each, BagWriter)]
         recorders: list[TickRecorder] = []
         if audience:
             recorders.append(build_recorder(setting, opening, audience, publisher))
@@ -287,35 +316,67 @@ class _Hunt:
             recorders.insert(0, self._inputs)
         self._recording.begin(recorders, log)
 
-    async def go_on(self) -> bool:
+    async def go_on(self, progress: Callable[[TickRecord], None]) -> bool:
         """Run as fast as possible up to the last tick of the log of inputs, and close all recorded connections.
+
+        Args:
+            progress: callback with each tick.
 
         Returns:
             False if the run was stopped (Ctrl-C, SIGTERM), otherwise True.
         """
-        session = self._session
         logged = () if self._inputs is None else self._inputs.ticks
-        waiting = deque(logged)
+        if not logged:
+            return True
+        with self._session.undelivered():
+            run = await run_ticks(self._replay(logged, progress), Pacer(0.0))
+        self._close_recorded(logged)
+        return run.finished
+
+    def _restore(self, progress: Callable[[TickRecord], None]) -> None:
+        """Continue the hunt in a copy of the process that was killed, from the last tick that this process has logged.
+
+        Nothing else may run meanwhile: input from connections must not come before the input of the log.
+        """
+        if self._journals is not None:
+            self._journals.rewind()
+        for bag in self._bags:
+            bag.rewind()
+        logged = () if self._inputs is None else self._inputs.reread()
+        if logged:
+            tick = self._replay(logged, progress)
+            with self._session.undelivered():
+                while tick():
+                    pass
+        self._close_recorded(logged)
+        self._server.drop_connections()
+        self.pacer.restart()
+        if self._where is not None:
+            self._ready(self._where)
+
+    def _replay(self, logged: Sequence[LoggedTick], progress: Callable[[TickRecord], None]) -> Callable[[], bool]:
+        """Return a function that runs one tick with its logged inputs, and returns True if another one follows."""
+        session, waiting = self._session, deque(logged)
 
         def tick() -> bool:
             if waiting[0].tick == session.tick:
                 for item in waiting.popleft().inputs:
                     give(session, None, item)
-            self._step()
+            progress(self._step())
             self._ending.reached(session)
             return bool(waiting)
 
-        if not waiting:
-            return True
-        with session.undelivered():
-            run = await run_ticks(tick, Pacer(0.0))
+        return tick
+
+    def _close_recorded(self, logged: Sequence[LoggedTick]) -> None:
+        """Close the connections that were opened in logged ticks."""
+        session = self._session
         for item in chain.from_iterable(each.inputs for each in logged):
             match item:
                 case ConnectionOpened(connection):
                     session.perform(session.router.eof(connection))
                 case LinkOpened(link):
                     session.links.close_link(link)
-        return run.finished
 
     async def serve(self, opened: AsyncExitStack, callbacks: StartupCallbacks) -> None:
         """Admit ground stations and other programs."""
@@ -339,6 +400,10 @@ class _Hunt:
         self._troubles.note(refusals, now.utterances)
         self._server.note_game(*self._session.game_name)
         progress(now)
+        if self._ending.reached(self._session):
+            return False
+        if self._take_checkpoint():
+            self._restore(progress)
         return not self._ending.reached(self._session)
 
     def outcome(self, run: LoopResult) -> HuntOutcome:
@@ -349,6 +414,18 @@ class _Hunt:
         if self._ending.tick is None or (self._options.left is not None and not run.finished):
             raise HuntUnfinished(outcome, stopped=not run.finished)
         return outcome
+
+    def _take_checkpoint(self) -> bool:
+        """Take a checkpoint if it is due. Return True in a copy, after this process was killed."""
+        checkpoints = self._options.checkpoints
+        if checkpoints is None or self._session.tick < self._checkpoint_due:
+            return False
+        # A copy has no threads, so nothing may wait for the disk. Frames of vehicles come over other sockets.
+        is_possible = self._inputs is not None and self._links is None and not self._session.has_vehicles
+        if not (is_possible and self._session.awaits_no_input and all(bag.is_idle for bag in self._bags)):
+            return False
+        self._checkpoint_due = self._session.tick + CHECKPOINT_TICKS
+        return checkpoints.take()
 
     def _step(self) -> TickRecord:
         now = self._session.step()
@@ -361,6 +438,7 @@ class _Hunt:
         where = await self._server.start(router, server.host, server.port)
         if isinstance(where, CannotListen) and self._options.left is not None:
             where = await self._server.start(router, server.host, 0)  # The window gets the selected port.
+        self._where = where
         self._ready(where)
 
 

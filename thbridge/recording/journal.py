@@ -127,6 +127,7 @@ class Journal:
         self.path = path
         self._file = file
         self._checksum: str | None = ""
+        self._size = 0
 
     @classmethod
     def start(cls, folder: Path, started: GameStarted) -> Self:
@@ -179,6 +180,7 @@ class Journal:
             file.seek(recovered.size - 1)
             file.write(b"\n")
             journal._checksum = recovered.checksum
+            journal._size = recovered.size
             os.fsync(file.fileno())
         except BaseException:
             file.close()
@@ -197,11 +199,18 @@ class Journal:
             if checksum is not None:
                 line, checksum = checked(line.decode(), checksum)
             lines.append(line + b"\n")
+        content = b"".join(lines)
         try:
-            append_whole(self._file, b"".join(lines), synced=True)
+            append_whole(self._file, content, synced=True)
         except OSError as error:
             raise _not_writable(self.path, error) from None
         self._checksum = checksum
+        self._size += len(content)
+
+    def rewind(self) -> None:
+        """Drop the events that another process has appended; this process is an earlier copy of it."""
+        self._file.truncate(self._size)
+        self._file.seek(self._size)
 
     def close(self) -> None:
         """Release the file and its lock. A second call does nothing."""

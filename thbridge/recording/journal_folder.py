@@ -98,6 +98,11 @@ class JournalStore:
             elif self._journal is not None:
                 self._journal.append((event,))
 
+    def rewind(self) -> None:
+        """Drop the events that another process has appended to the open journal; this process is an earlier copy."""
+        if self._journal is not None:
+            self._journal.rewind()
+
     def close(self) -> None:
         """Close the open journal, if there is one."""
         if self._journal is not None:

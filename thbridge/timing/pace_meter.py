@@ -81,6 +81,7 @@ class PaceMeter:
 
         `measured` has the earlier program's tick numbers and the states after these ticks.
         """
+        self._now = None
         for self._tick, self.state in measured:
             self.keep()
         # The pacer of this program starts without a lag, so the lag of the earlier program remains.

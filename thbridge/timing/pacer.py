@@ -79,6 +79,11 @@ class Pacer:
         self._rate = rate
         self._due = None
 
+    def restart(self) -> None:
+        """Begin again without a delay, in a program that continues the session of another one."""
+        self._due = None
+        self._given_up = 0.0
+
     def pause(self) -> None:
         """Pause: run no more ticks, not even the remaining ticks of an earlier `step`."""
         self._paused = True

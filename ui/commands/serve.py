@@ -4,7 +4,7 @@ import secrets
 import socket
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import IO, TYPE_CHECKING, Annotated
 
 import typer
 
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from thbridge.study.study_file import Study
     from ui.web.gateway.serving import ServerOptions
 
+_locks: list[IO[bytes]] = []
+"""Lock of the folder, which must stay open."""
 Served = Annotated[
     Path | None, typer.Argument(help="Study file, or folder of a study with people.", metavar="STUDY|FOLDER")
 ]
@@ -41,6 +43,10 @@ def serve(
             "X-Forwarded-Proto are used. Can be repeated.",
         ),
     ] = None,
+    drain: Annotated[
+        bool,
+        typer.Option("--drain", help="Ask the server of this folder to start no games, and to end after its games."),
+    ] = False,
 ) -> None:
     """Serve games to browsers: one game of a study file for each visitor, or a whole study with people."""
     try:
@@ -53,10 +59,25 @@ def serve(
     from thbridge.sockets.tls import browser_context
     from thbridge.study.study_file import Study
     from ui.command_line.event_loop import run
+    from ui.command_line.kept_running import keep_running
     from ui.command_line.networks import check_browsers, check_networks
     from ui.command_line.settings import note_doubts, setting_of, study_of
     from ui.first_start.compiling import compile_ahead
+    from ui.web.gateway.draining import drain as drain_server
+    from ui.web.pool.running_games import RunningGames
 
+    recorded = served if served is not None and served.is_dir() else bags
+    with bad_input():
+        running = RunningGames.of(recorded)
+    if drain:
+        if not drain_server(running, note):
+            fail(
+                BAD_INPUT,
+                f"No server serves {recorded}. Name its study folder, or its folder of recordings with --bags.",
+            )
+        return
+    with bad_input():
+        _locks.append(running.lock_server(recorded))
     check_networks("--open-to", open_to or ())
     check_networks("--proxy", proxy or ())
     if (tls_cert is None) != (tls_key is None):
@@ -71,7 +92,7 @@ def serve(
         listening = _listen(host, port)
         shown = f"http{'' if tls is None else 's'}://{Address(host, listening.getsockname()[1])}/"
         ready = partial(note, f"Open {shown} in a browser.")
-        return ServerOptions(listening, games, tls, ready, Admission.to(networks), tuple(proxy or ()))
+        return ServerOptions(listening, games, tls, ready, Admission.to(networks), tuple(proxy or ()), running)
 
     if served is not None and served.is_dir():
         _serve_folder(served, options)
@@ -80,6 +101,7 @@ def serve(
     note_doubts(setting_of(study, served))
     chosen = options(study)
     compile_ahead(whole_hunt=True)
+    keep_running()
 
     def new_bag() -> Path:
         make_folder(bags)
@@ -96,6 +118,7 @@ def _serve_folder(folder: Path, options: "Callable[[Study], ServerOptions]") -> 
     from thbridge.experiment.store.event_log import ExperimentLog
     from thbridge.files.disk.synced import make_folder
     from ui.command_line.event_loop import run
+    from ui.command_line.kept_running import keep_running
     from ui.commands.study.unfinished import finish_begun_withdrawals
     from ui.first_start.compiling import compile_ahead
     from ui.web.gateway.serving import serve_study
@@ -107,6 +130,7 @@ def _serve_folder(folder: Path, options: "Callable[[Study], ServerOptions]") -> 
         design = read_for_people(place)
     chosen = options(design.study)
     compile_ahead(whole_hunt=True)
+    keep_running()
     with bad_input():
         make_folder(place.log.parent)
         log = ExperimentLog(place.log)

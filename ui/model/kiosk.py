@@ -149,6 +149,7 @@ class TurnToAwait(msgspec.Struct, frozen=True, tag=True):
         heading: heading above the text.
         text: reason for the wait.
         waited: whole seconds that the person has waited.
+        before: number of people who wait and come first.
         progress: position in the person's run.
     """
 
@@ -156,6 +157,7 @@ class TurnToAwait(msgspec.Struct, frozen=True, tag=True):
     heading: str
     text: str
     waited: int = 0
+    before: int = 0
     progress: StudyProgress = StudyProgress()
 
 

@@ -26,5 +26,8 @@ class InlineQueue:
         """Return True: no job ever waits."""
         return True
 
+    def restart(self) -> None:
+        """Do nothing: there is no thread."""
+
     def end(self) -> None:
         """Do nothing: there is no thread."""

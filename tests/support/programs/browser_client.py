@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from websockets.asyncio.client import ClientConnection, connect
-from websockets.exceptions import ConnectionClosed
+from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
 
 @dataclass
@@ -32,6 +32,7 @@ class BrowserClient:
     texts: list[str] = field(default_factory=list)
     number: int = 0
     _left: int = 0
+    _painted: asyncio.Event = field(default_factory=asyncio.Event)
     _socket: ClientConnection | None = None
     _reading: asyncio.Task[None] | None = None
 
@@ -60,6 +61,19 @@ class BrowserClient:
         await browser.open()
         return browser
 
+    async def come_back(self, port: int, seconds: float = 60.0) -> None:
+        """Load the page again and connect, like a browser that has lost its connection; try until it works."""
+        await self.close()
+        self.port, self.tree, self.number, self._left = port, {}, 0, 0
+        self.study.clear()
+        async with asyncio.timeout(seconds):
+            while True:
+                with suppress(OSError, InvalidHandshake, http.client.HTTPException):
+                    await asyncio.to_thread(self.load)
+                    await self.open()
+                    return
+                await asyncio.sleep(0.05)
+
     @property
     def shown(self) -> dict[str, Any]:
         """The last message about a page of the study; before the first, a message without contents."""
@@ -71,6 +85,17 @@ class BrowserClient:
         await self.until(lambda: self.shown["page"] > self._left and self.shown.get("button"))
         self._left = self.shown["page"]
         await self.send({"type": "WentOn", "page": self._left})
+
+    async def end_game(self) -> None:
+        """End a game that is played, and continue."""
+        await asyncio.sleep(0.4)  # Answers right after a change of the page are not accepted.
+        await self.press("E")
+        await self.until(lambda: self.tree["question"])
+        await asyncio.sleep(0.4)
+        await self.act(self.tree["question"]["buttons"][0]["act"])
+        await self.until(lambda: self.tree["ending"])
+        await asyncio.sleep(0.4)
+        await self.act(self.tree["ending"]["buttons"][0]["act"])
 
     async def close(self) -> None:
         """Close the connection."""
@@ -109,6 +134,13 @@ class BrowserClient:
             while not happened():
                 await asyncio.sleep(0.02)
 
+    async def received(self) -> None:
+        """Wait for the next page of the game, for at most a second."""
+        self._painted.clear()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(1.0):
+                await self._painted.wait()
+
     @property
     def now(self) -> float:
         """The browser's clock, milliseconds."""
@@ -128,6 +160,7 @@ class BrowserClient:
                 case "page":
                     self.tree = applied(self.tree, message["p"])
                     self.number = message["n"]
+                    self._painted.set()
                     await self.send({"t": "painted", "n": self.number, "at": self.now})
                 case "floor" | "picture":
                     pass

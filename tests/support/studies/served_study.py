@@ -12,18 +12,19 @@ from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.event_log import ExperimentLog
 from ui.web.gateway.serving import ServerOptions, serve_study
 from ui.web.gateway.study_visits import VisitClock
+from ui.web.pool.running_games import RunningGames
 
 
 @asynccontextmanager
-async def served(folder: Path) -> AsyncIterator[tuple[int, Conductor]]:
-    """Serve the study in a folder; yield the port and the conductor."""
+async def served(folder: Path, running: RunningGames | None = None) -> AsyncIterator[tuple[int, Conductor]]:
+    """Serve the study in a folder; yield the port and the conductor. Games outlive the server if `running` is given."""
     place, clock = ExperimentFolder(folder), VisitClock()
     design = place.read()
     place.log.parent.mkdir(exist_ok=True)
     with ExperimentLog(place.log, synced=False) as log:
         conductor = Conductor(design, log, clock, secrets.randbelow)
         listening, ready = socket.create_server(("127.0.0.1", 0)), asyncio.Event()
-        options = ServerOptions(listening, 2, None, ready.set)
+        options = ServerOptions(listening, 2, None, ready.set, running=running)
         problems: list[str] = []
         serving = asyncio.create_task(serve_study(place, design, conductor, clock, problems.append, options))
         await asyncio.wait([serving, asyncio.create_task(ready.wait())], return_when=asyncio.FIRST_COMPLETED)

@@ -77,6 +77,7 @@ class InputLog:
     def __init__(self, path: Path, record: SessionRecord, meter: PaceMeter, pacer: Pacer) -> None:
         self._path, self._meter, self._pacer = path, meter, pacer
         self._over = False
+        self._size = 0
         try:
             make_folder(path.parent)
             self._file = own_target(path).open("a+b", buffering=0)
@@ -91,9 +92,9 @@ class InputLog:
             raise BadFile(
                 path, f"the file cannot be written ({error.strerror})", "check the disk and the permissions"
             ) from None
-        self._last = self.ticks[-1].tick if self.ticks else -1
-        self._digests = {logged.tick: logged.digest for logged in self.ticks if logged.digest}
-        meter.go_on((logged.tick, logged.pace) for logged in self.ticks if logged.pace is not None)
+        self._last = -1
+        self._digests: dict[int, str] = {}
+        self._go_on()
 
     def record(self, record: TickRecord) -> None:
         """Record a tick, see `TickRecorder`. A tick that is already in the log is only compared with the log.
@@ -121,27 +122,56 @@ class InputLog:
             self._meter.keep()
             line["pace"] = pace.rounded()
         try:
-            append_whole(self._file, _line(line), synced=bool(given))
+            content = _line(line)
+            append_whole(self._file, content, synced=bool(given))
+            self._size += len(content)
         except OSError as error:
             problem = f"the file cannot be written ({error.strerror})"
             raise BadFile(self._path, problem, "free space on the disk") from None
+
+    def reread(self) -> Sequence[LoggedTick]:
+        """Return the ticks that another process has logged since this process was copied from it.
+
+        Raises:
+            BadFile: the file cannot be read.
+        """
+        try:
+            self._file.seek(self._size)
+            self.ticks = [self._read(0, line) for line in self._whole_lines()]
+        except OSError as error:
+            raise BadFile(self._path, f"the file cannot be read ({error.strerror})", "check the disk") from None
+        self._go_on()
+        return self.ticks
 
     def close(self) -> None:
         """Close the file."""
         self._file.close()
 
+    def _go_on(self) -> None:
+        """Prepare for the ticks of the log, which are run again, and for the ticks after them."""
+        if self.ticks:
+            self._last = self.ticks[-1].tick
+        self._digests = {logged.tick: logged.digest for logged in self.ticks if logged.digest}
+        self._meter.go_on((logged.tick, logged.pace) for logged in self.ticks if logged.pace is not None)
+
+    def _whole_lines(self) -> Sequence[bytes]:
+        """Read the rest of the file, and drop an incomplete last line."""
+        content = self._file.read()
+        whole = content[: content.rfind(b"\n") + 1]
+        self._size += len(whole)
+        self._file.truncate(self._size)
+        self._file.seek(0, os.SEEK_END)
+        return whole.splitlines(keepends=True)
+
     def _read_or_begin(self, first: bytes) -> Sequence[LoggedTick]:
         """Read the log and drop an incomplete last line; if there is no log, write the first line."""
         self._file.seek(0)
-        content = self._file.read()
-        whole = content[: content.rfind(b"\n") + 1]
-        self._file.truncate(len(whole))
-        self._file.seek(0, os.SEEK_END)
-        if not whole:
+        lines = self._whole_lines()
+        if not lines:
             append_whole(self._file, first, synced=True)
+            self._size = len(first)
             sync_folder(self._path.parent)
             return ()
-        lines = whole.splitlines(keepends=True)
         if lines[0] != first:
             raise self._differs("the log belongs to another study or to another release of the program")
         return [self._read(number, line) for number, line in enumerate(lines[1:], 2)]

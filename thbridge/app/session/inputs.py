@@ -159,6 +159,11 @@ class InputQueue:
         """Add an input."""
         self._inputs.append(item)
 
+    @property
+    def is_empty(self) -> bool:
+        """True if the next tick has no inputs so far."""
+        return not self._inputs
+
     def take(self) -> list[Input]:
         """Return the inputs since the last call, in order."""
         taken, self._inputs = self._inputs, []

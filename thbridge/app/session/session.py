@@ -205,6 +205,11 @@ class Session:
         return self._named(game.started.game), game.ended is not None
 
     @property
+    def awaits_no_input(self) -> bool:
+        """True if the next tick has no inputs so far."""
+        return self._inputs.is_empty
+
+    @property
     def snapshot(self) -> "TeamSnapshot | None":
         """State of the robots; None before the first tick, or if another program runs the robots."""
         return None if self._robots is None else self._robots.snapshot

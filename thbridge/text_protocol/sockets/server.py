@@ -171,6 +171,11 @@ class TextServer:
             await self._all_closed.wait()
         await self._door.wait_closed()
 
+    def drop_connections(self) -> None:
+        """Close all connections at once. Lines that were not sent yet are lost."""
+        for transport in tuple(self._open):
+            transport.abort()
+
     def perform(self, outputs: Iterable[RouterOutput]) -> None:
         """Carry out outputs of the router, and resume reading from throttled clients."""
         self._perform(outputs)

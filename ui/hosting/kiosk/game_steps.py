@@ -210,7 +210,8 @@ class _Visit:
 
     def broken_off(self, bag: Path | None) -> None:
         name = None if bag is None else bag.name
-        self._pages.tell(EventKind.GAME_BROKEN_OFF, {"bag": name})
+        if name is None or name not in self._pages.run.cut_off:
+            self._pages.tell(EventKind.GAME_BROKEN_OFF, {"bag": name})
 
     def cut_off(self, bag: Path) -> None:
         if bag.name not in self._pages.run.cut_off:

@@ -9,7 +9,7 @@ from typing import Protocol
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from thbridge.app import play as hunt
 from thbridge.app.compose.setting import StudySetting
-from thbridge.app.play import FINAL_TICKS, HuntOutcome, HuntUnfinished, PlayOptions
+from thbridge.app.play import FINAL_TICKS, Checkpoints, HuntOutcome, HuntUnfinished, PlayOptions
 from thbridge.app.session.input_log import GameDiffers
 from thbridge.app.session.session import TickRecord
 from thbridge.batch.measures import GameObserver
@@ -78,9 +78,13 @@ class StudyGames:
     Args:
         folder: folder of the study.
         design: design of the study.
+        checkpoints: copies of this process, which continue a game if the process is killed; None for none.
     """
 
-    def __init__(self, folder: ExperimentFolder, design: ExperimentDesign) -> None:
+    def __init__(
+        self, folder: ExperimentFolder, design: ExperimentDesign, checkpoints: Checkpoints | None = None
+    ) -> None:
+        self._checkpoints = checkpoints
         self._folder = folder
         self._design = design
         self._settings = SettingCache(design.beside)
@@ -152,7 +156,9 @@ class StudyGames:
 
     def _options(self, step: PlannedStep, rate: float | None, bag: Path | None) -> PlayOptions:
         log = None if bag is None else _inputs_of(bag)
-        return PlayOptions(rate or 1.0, bag, frozenset(), "", step.entry.max_seconds, inputs=log)
+        return PlayOptions(
+            rate or 1.0, bag, frozenset(), "", step.entry.max_seconds, inputs=log, checkpoints=self._checkpoints
+        )
 
     async def _play(
         self,

@@ -16,8 +16,13 @@ from thbridge.experiment.progress import Run
 from thbridge.experiment.store.events import JsonValue
 from thbridge.files.errors import BadFile
 from thbridge.sockets.addresses import ListeningAddress
+from ui.hosting.kiosk import words
 from ui.hosting.kiosk.games import GameWatcher
+from ui.hosting.kiosk.pages import KioskPages
+from ui.model.kiosk import GamePrepared, TextToRead
 from ui.web.gateway.browser_window import BrowserWindow
+from ui.web.gateway.game_queue import LONGEST_WAIT, GameQueue
+from ui.web.gateway.waiting import await_turn, pause
 from ui.web.pool.messages import (
     FromWorker,
     GamePassed,
@@ -28,14 +33,13 @@ from ui.web.pool.messages import (
     SeatWentOn,
     StillToDo,
     TimeIsUp,
+    WorkerResult,
 )
-from ui.web.pool.pool import WorkerDied, WorkerPool
+from ui.web.pool.pool import MOST_DEATHS, DeathCount, WorkerDied, WorkerPool
 from ui.web.pool.study_game import StudyGame
 
 LOOK = 0.1
 """Seconds between two looks if the person has left the game."""
-MOST_DEATHS = 5
-"""Number of workers of one game that may die; then the game counts as impossible."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,17 +56,25 @@ class PooledGames:
     Args:
         folder: folder of the study.
         pool: pool of workers.
+        queue: queue of people who wait for a game.
         window: browser of the person.
+        pages: pages of the person.
     """
 
-    def __init__(self, folder: Path, pool: WorkerPool, window: BrowserWindow) -> None:
+    def __init__(
+        self, folder: Path, pool: WorkerPool, queue: GameQueue, window: BrowserWindow, pages: KioskPages
+    ) -> None:
         self._folder = folder
         self._pool = pool
+        self._queue = queue
         self._window = window
+        self._pages = pages
 
     async def practise(self, run: Run, step: PlannedStep, watcher: GameWatcher) -> PlayedPractice:
         """See `StudyGames`."""
-        result = await self._play(StudyGame(self._folder, run, step, True, False, ""), watcher)
+        key = f"{game_key(run, step)}-practice"
+        result = await self._play(key, StudyGame(self._folder, run, step, True, False, ""), watcher)
+        self._pool.games.forget(key)
         played = cast("dict[str, dict[str, JsonValue]]", result)
         missing = {PracticeTerm(term): cast(float, number) for term, number in played["missing"].items()}
         return PlayedPractice(played["data"], missing)
@@ -71,30 +83,73 @@ class PooledGames:
         self, run: Run, step: PlannedStep, watcher: GameWatcher, *, goes_on: bool
     ) -> dict[str, JsonValue] | None:
         """See `StudyGames`."""
-        result = await self._play(StudyGame(self._folder, run, step, False, goes_on, run.agreed_at), watcher)
+        key = game_key(run, step)
+        if not goes_on:
+            await self._pool.end(key)
+        result = await self._play(key, StudyGame(self._folder, run, step, False, goes_on, run.agreed_at), watcher)
         return cast("dict[str, JsonValue] | None", result)
 
-    async def _play(self, request: StudyGame, watcher: GameWatcher) -> JsonValue:
-        """Play a game; if its worker dies, another one resumes it."""
-        for _ in range(MOST_DEATHS):
+    async def _play(self, key: str, request: StudyGame, watcher: GameWatcher) -> JsonValue:
+        """Play a game, or continue one that is running; if its worker dies, another one resumes it."""
+        if not (self._pool.games.is_running(key) or self._pool.games.result(key)):
+            await self._await_turn(key)
+        deaths = DeathCount()
+        while not deaths.are_too_many:
             try:
-                return await self._play_once(request, watcher)
+                # A server that was killed may have left a result that is not in the log yet.
+                ended = self._pool.games.result(key) or await self._play_once(key, request, watcher, deaths)
             except WorkerDied:
+                deaths.add()
                 request = replace(request, goes_on=not request.practice)
+                continue
+            if ended.problem:
+                raise BadFile(self._folder, ended.problem, "See `thbridge study status`")
+            if ended.declined:
+                raise ParticipantDeclined(True)
+            return cast(JsonValue, msgspec.json.decode(ended.result))
         problem = f"the programs of {MOST_DEATHS} games in a row have ended unexpectedly"
         raise BadFile(self._folder, problem, "See the messages above; `thbridge doctor` checks this machine")
 
-    async def _play_once(self, request: StudyGame, watcher: GameWatcher) -> JsonValue:
+    async def _await_turn(self, key: str) -> None:
+        """Let the person wait until their game can start."""
+        queue, texts = self._queue, self._pages.texts
+        prepared = self._pages.number
+        waiting = True
+        while waiting:
+            queue.enter(key)
+            try:
+                waiting = not await await_turn(
+                    self._pages,
+                    words.headed(texts, "waiting_for_game", "web"),
+                    lambda: queue.is_closed or queue.admits(key),
+                    lambda: queue.before(key),
+                    LONGEST_WAIT,
+                )
+            finally:
+                queue.leave(key)
+            if waiting:
+                heading, text = words.headed(texts, "game_not_awaited", "web")
+                await self._pages.read(TextToRead(0, heading, text, button=texts.text("web.wait_again")))
+        if queue.is_closed:
+            await pause(self._window, texts)
+        if self._pages.number != prepared:
+            await self._pages.show(GamePrepared(0, texts.text("kiosk.game_comes")))
+
+    async def _play_once(self, key: str, request: StudyGame, watcher: GameWatcher, deaths: DeathCount) -> WorkerResult:
+        loop = asyncio.get_running_loop()
+
         def news(message: FromWorker) -> None:
             match message:
                 case GameReady():
                     # The browser is connected through the worker, not through the text server.
                     watcher.ready(ListeningAddress("", 0))
                 case SeatSeenOver():
-                    self._window.note_seen_over()
+                    # If the worker was running already, the page of the game is sent before.
+                    loop.call_soon(self._window.note_seen_over)
                 case SeatWentOn():
-                    self._window.note_went_on()
+                    loop.call_soon(self._window.note_went_on)
                 case GamePassed(seconds, lag, left):
+                    deaths.reached = seconds
                     watcher.passed(seconds, lag, left)
                 case StillToDo(missing):
                     watcher.still_to_do({PracticeTerm(term): number for term, number in missing.items()})
@@ -107,21 +162,21 @@ class PooledGames:
                 case _:
                     pass
 
-        async with self._pool.start(request, self._window.show, news) as game:
+        async with self._pool.enter(key, request, self._window.show, news) as game:
             self._window.play(game)
             looking = asyncio.create_task(_look(watcher, game.leave))
             try:
-                ended = await game.ended()
+                return await game.ended()
             finally:
                 self._window.play(None)
                 looking.cancel()
                 with suppress(asyncio.CancelledError):
                     await looking
-        if ended.problem:
-            raise BadFile(self._folder, ended.problem, "See `thbridge study status`")
-        if ended.declined:
-            raise ParticipantDeclined(True)
-        return cast(JsonValue, msgspec.json.decode(ended.result))
+
+
+def game_key(run: Run, step: PlannedStep) -> str:
+    """Return the key of a person's game at a step; each attempt at a step has its own game."""
+    return f"{run.participant}-{step.number}-{run.begun.get(step.number, 1)}"
 
 
 async def _look(watcher: GameWatcher, leave: Callable[[], None]) -> None:

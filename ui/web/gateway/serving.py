@@ -23,12 +23,15 @@ from thbridge.sockets.listening import BACKLOG, ServerDoor
 from thbridge.study.study_file import Study
 from ui.web.gateway.app import application
 from ui.web.gateway.connections import LONGEST_HEAD, LONGEST_MESSAGE, MOST_CONNECTIONS, ConnectionGate, HttpConnection
+from ui.web.gateway.draining import DrainPort
+from ui.web.gateway.game_queue import GameQueue
 from ui.web.gateway.limits import ClientLimits
 from ui.web.gateway.people import Visitors
 from ui.web.gateway.single import SingleGames
 from ui.web.gateway.study_visits import StudyVisits, VisitClock
 from ui.web.gateway.tickets import Tickets
 from ui.web.pool.pool import WorkerPool
+from ui.web.pool.running_games import RunningGames
 
 
 class _Server(uvicorn.Server):
@@ -67,11 +70,23 @@ class _Server(uvicorn.Server):
 
 
 @contextlib.asynccontextmanager
-async def _pool(most: int) -> AsyncIterator[WorkerPool]:
-    with tempfile.TemporaryDirectory(prefix="thbridge-") as folder:
-        pool = WorkerPool(Path(folder), most)
-        await pool.warm_up()
-        yield pool
+async def _pool(options: "ServerOptions") -> AsyncIterator[WorkerPool]:
+    """Yield the pool of workers. Running games outlive the server only if another server can find them."""
+    with contextlib.ExitStack() as stack:
+        running = options.running
+        if running is None:
+            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="thbridge-"))
+            running = RunningGames(Path(folder, "games"))
+        running.tidy()
+        pool = WorkerPool(running, options.games)
+        # Running games continue at once. A game that starts before the end of the warm-up waits for it.
+        warming = asyncio.create_task(pool.warm_up())
+        try:
+            yield pool
+        finally:
+            if options.running is None:
+                await asyncio.gather(*map(pool.end, [*running]))
+            await asyncio.gather(warming, return_exceptions=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +100,7 @@ class ServerOptions:
         ready: called when browsers can connect.
         admission: networks of the admitted machines.
         proxies: networks of proxies, whose headers name the browser's address and scheme.
+        running: running games, which the next server continues. If None, games end with the server.
     """
 
     listening: socket.socket
@@ -93,6 +109,7 @@ class ServerOptions:
     ready: Callable[[], None]
     admission: Admission = OWN_MACHINE
     proxies: tuple[str, ...] = ()
+    running: RunningGames | None = None
 
 
 async def serve_games(study: Study, file: Path | None, new_bag: Callable[[], Path], options: ServerOptions) -> None:
@@ -104,9 +121,11 @@ async def serve_games(study: Study, file: Path | None, new_bag: Callable[[], Pat
         new_bag: function that returns the path of a new recording.
         options: options of the gateway.
     """
-    async with _pool(options.games) as pool:
-        single = SingleGames(study, file, pool, new_bag, math.inf)
-        await serve_visitors(Visitors(single.visit, single.window), single.texts, options)
+    async with _pool(options) as pool:
+        queue = GameQueue(pool)
+        single = SingleGames(study, file, pool, queue, new_bag, math.inf)
+        drain = DrainPort(pool.games, queue)
+        await serve_visitors(Visitors(single.visit, single.window), single.texts, options, drain)
 
 
 async def serve_study(
@@ -128,13 +147,24 @@ async def serve_study(
         options: options of the gateway.
     """
     tickets = Tickets(place.log.parent / "browsers.json")
-    async with _pool(options.games) as pool:
-        visits = StudyVisits(place.root, design, conductor, clock, pool, tickets, report)
-        await serve_visitors(Visitors(visits.visit, visits.window), visits.texts, options)
+    async with _pool(options) as pool:
+        queue = GameQueue(pool)
+        visits = StudyVisits(place.root, design, conductor, clock, pool, queue, tickets, report)
+        drain = DrainPort(pool.games, queue)
+        await serve_visitors(Visitors(visits.visit, visits.window), visits.texts, options, drain)
 
 
-async def serve_visitors(visitors: Visitors, texts: Texts, options: ServerOptions) -> None:
-    """Serve visitors until stopped; `texts` are those of the page before it is connected."""
+async def serve_visitors(
+    visitors: Visitors, texts: Texts, options: ServerOptions, drain: DrainPort | None = None
+) -> None:
+    """Serve visitors until stopped.
+
+    Args:
+        visitors: the visitors.
+        texts: texts of the page before it is connected.
+        options: options of the gateway.
+        drain: port for requests to end after the games; None for none.
+    """
     limits = ClientLimits()
     config = uvicorn.Config(
         application(visitors, texts, limits),
@@ -152,8 +182,14 @@ async def serve_visitors(visitors: Visitors, texts: Texts, options: ServerOption
     )
     logging.getLogger("uvicorn.error").addFilter(_is_fault)
     forgetting = asyncio.create_task(visitors.forget_idle())
+    server = _Server(config, options, limits)
+
+    def end() -> None:
+        server.should_exit = True
+
     try:
-        await _Server(config, options, limits).serve([options.listening])
+        async with contextlib.nullcontext() if drain is None else drain.opened(end):
+            await server.serve([options.listening])
     finally:
         forgetting.cancel()
         await asyncio.gather(forgetting, return_exceptions=True)

@@ -1,6 +1,7 @@
 """Course of a visitor to a study file: rules, consent, one game, thanks."""
 
 import asyncio
+import hashlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from thbridge.study.study_file import Study
 from thbridge.timing.wall_clock import utc_now
 from ui.command_line.settings import setting_of
 from ui.hosting.games import offer_of
+from ui.hosting.kiosk.words import headed
 from ui.model.kiosk import (
     ConsentReply,
     ConsentToAsk,
@@ -19,15 +21,19 @@ from ui.model.kiosk import (
     GameToJoin,
     StudyTexts,
     TextToRead,
+    TurnToAwait,
     WentOn,
 )
 from ui.web.gateway.browser_window import BrowserWindow
-from ui.web.pool.messages import FromWorker, SeatWentOn
-from ui.web.pool.pool import HostedGame, WorkerDied, WorkerPool
+from ui.web.gateway.game_queue import LONGEST_WAIT, GameQueue
+from ui.web.gateway.waiting import pause, show_turn
+from ui.web.pool.messages import FromWorker, GamePassed, SeatWentOn
+from ui.web.pool.pool import DeathCount, HostedGame, WorkerDied, WorkerPool
 from ui.web.pool.single_game import SingleGame
 
 MOST_ABSENCE = 300.0
 """Seconds without the person's browser after which their game ends."""
+_DIGEST = 16
 
 
 class SingleGames:
@@ -37,16 +43,24 @@ class SingleGames:
         study: the study.
         file: its file, for relative paths.
         pool: pool of workers.
+        queue: queue of people who wait for a game.
         new_bag: function that returns the path of a new recording.
         max_seconds: simulated seconds after which a game is stopped.
     """
 
     def __init__(
-        self, study: Study, file: Path | None, pool: WorkerPool, new_bag: Callable[[], Path], max_seconds: float
+        self,
+        study: Study,
+        file: Path | None,
+        pool: WorkerPool,
+        queue: GameQueue,
+        new_bag: Callable[[], Path],
+        max_seconds: float,
     ) -> None:
         self._study, self._file = study, file
         self._setting = setting_of(study, file)
         self._pool = pool
+        self._queue = queue
         self._new_bag = new_bag
         self._max_seconds = max_seconds
 
@@ -59,13 +73,25 @@ class SingleGames:
         """Return a window in the study's language."""
         return BrowserWindow(self._setting.texts)
 
-    async def visit(self, window: BrowserWindow, _secret: str) -> None:
-        """Take a visitor through the course."""
+    async def visit(self, window: BrowserWindow, secret: str) -> None:
+        """Take a visitor through the course, or lead them back to their game."""
+        await window.send(StudyTexts(GameTexts.of(self._setting.texts)))
+        key = f"visitor-{hashlib.sha256(secret.encode()).hexdigest()[:_DIGEST]}"
+        page, agreed_at = 1, ""
+        if not (self._pool.games.is_running(key) or self._pool.games.result(key)):
+            before = await self._prepare(window)
+            if before is None:
+                return
+            page, agreed_at = before
+            await self._await_turn(window, key, page)
+            page += 1
+        await self._play(window, key, page, agreed_at)
+
+    async def _prepare(self, window: BrowserWindow) -> tuple[int, str] | None:
+        """Show rules and consent; return the number of the next page and the time of consent, or None if declined."""
         texts = self._setting.texts
         offer = offer_of(self._setting, given=True)
-        await window.send(StudyTexts(GameTexts.of(texts)))
-        agreed_at = ""
-        page = 1
+        page, agreed_at = 1, ""
         if offer.consent:
             await window.send(ConsentToAsk(page, offer.consent))
             reply = await _about(window, page)
@@ -73,7 +99,7 @@ class SingleGames:
                 reply = await _about(window, page)
             if not reply.agrees:
                 await window.send(TextToRead(0, texts.text("pages.thanks"), texts.text("pages.not_taking_part"), ""))
-                return
+                return None
             agreed_at = utc_now()
             page += 1
         rules = "\n\n".join((texts.text("start.introduction"), *offer.rules))
@@ -81,41 +107,81 @@ class SingleGames:
         await window.send(TextToRead(page, texts.text("window.title"), rules, begin))
         while not isinstance(await _about(window, page), WentOn):
             pass
-        await self._play(window, page + 1, agreed_at)
+        return page + 1, agreed_at
 
-    async def _play(self, window: BrowserWindow, page: int, agreed_at: str) -> None:
+    async def _await_turn(self, window: BrowserWindow, key: str, page: int) -> None:
+        """Let the visitor wait until their game can start."""
+        texts, queue, waiting = self._setting.texts, self._queue, True
+        while waiting:
+            queue.enter(key)
+            try:
+                waiting = not await show_turn(
+                    TurnToAwait(page, *headed(texts, "waiting_for_game", "web")),
+                    window,
+                    lambda: _about(window, page),
+                    lambda: queue.is_closed or queue.admits(key),
+                    lambda: queue.before(key),
+                    LONGEST_WAIT,
+                )
+            finally:
+                queue.leave(key)
+            if waiting:
+                heading, text = headed(texts, "game_not_awaited", "web")
+                await window.send(TextToRead(page, heading, text, texts.text("web.wait_again")))
+                while not isinstance(await _about(window, page), WentOn):
+                    pass
+        if queue.is_closed:
+            await pause(window, texts)
+
+    async def _play(self, window: BrowserWindow, key: str, page: int, agreed_at: str) -> None:
         texts = self._setting.texts
         await window.send(GamePrepared(page, texts.text("pages.preparing", count=self._study.robots)))
         request = SingleGame(self._study, self._file, self._new_bag(), False, agreed_at, self._max_seconds)
-        went_on = False
+        went_on, deaths = False, DeathCount()
 
         def news(message: FromWorker) -> None:
             nonlocal went_on
-            went_on |= isinstance(message, SeatWentOn)
+            match message:
+                case SeatWentOn():
+                    went_on = True
+                case GamePassed(seconds):
+                    deaths.reached = seconds
+                case _:
+                    pass
 
-        window.has_place = True
-        try:
-            async with self._pool.start(request, window.show, news) as game:
-                window.play(game)
-                await window.send(GameToJoin(page + 1, "", 0, "", practice=False))
-                watching = asyncio.create_task(_watch(window, game))
-                try:
-                    await game.ended()
-                finally:
-                    watching.cancel()
-        except WorkerDied:
+        while not deaths.are_too_many:
+            try:
+                if self._pool.games.result(key) is None:
+                    await self._play_once(window, key, page + 1, request, news)
+                break
+            except WorkerDied:
+                deaths.add()  # Another worker resumes the game.
+        else:
             stopped = texts.text("kiosk.program_stopped")
             await window.send(TextToRead(0, stopped, texts.text("kiosk.cannot_go_on"), ""))
             return
-        finally:
-            window.has_place = False
-            window.play(None)
+        self._pool.games.forget(key)
         ended = texts.text("kiosk.game_ended")
         if not went_on:
             await window.send(GameRecorded(page + 2, ended, texts.text("kiosk.go_on_when_ready")))
             while not isinstance(await _about(window, page + 2), WentOn):
                 pass
         await window.send(TextToRead(0, texts.text("pages.thanks"), texts.text("web.played"), ""))
+
+    async def _play_once(
+        self, window: BrowserWindow, key: str, page: int, request: SingleGame, news: Callable[[FromWorker], None]
+    ) -> None:
+        async with self._pool.enter(key, request, window.show, news) as game:
+            window.has_place = True
+            window.play(game)
+            await window.send(GameToJoin(page, "", 0, "", practice=False))
+            watching = asyncio.create_task(_watch(window, game))
+            try:
+                await game.ended()
+            finally:
+                watching.cancel()
+                window.play(None)
+                window.has_place = False
 
 
 async def _watch(window: BrowserWindow, game: HostedGame) -> None:

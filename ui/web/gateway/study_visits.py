@@ -11,7 +11,8 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import ExperimentDesign
-from thbridge.experiment.store.events import RunState
+from thbridge.experiment.progress import Run
+from thbridge.experiment.store.events import EventKind, LoggedEvent, RunState
 from thbridge.files.errors import BadFile
 from thbridge.roles.shared.notices import GameTexts
 from ui.hosting.kiosk import words
@@ -21,9 +22,10 @@ from ui.hosting.kiosk.games import KioskStopped
 from ui.hosting.kiosk.pages import KioskPages, RunOver
 from ui.model.kiosk import HostStops, StudyTexts, TextToRead, WentOn
 from ui.web.gateway.browser_window import BrowserWindow
-from ui.web.gateway.pooled_games import PooledGames
+from ui.web.gateway.game_queue import GameQueue
+from ui.web.gateway.pooled_games import PooledGames, game_key
 from ui.web.gateway.tickets import Tickets
-from ui.web.gateway.waiting import await_turn
+from ui.web.gateway.waiting import await_turn, pause
 from ui.web.pool.pool import WorkerPool
 
 
@@ -52,6 +54,7 @@ class StudyVisits:
         conductor: its conductor, which uses `clock`.
         clock: clock of the log's events.
         pool: pool of workers.
+        queue: queue of people who wait for a game.
         tickets: record of browsers and their participants.
         report: function that receives sentences about problems, for the researcher.
     """
@@ -63,6 +66,7 @@ class StudyVisits:
         conductor: Conductor,
         clock: VisitClock,
         pool: WorkerPool,
+        queue: GameQueue,
         tickets: Tickets,
         report: Callable[[str], None],
     ) -> None:
@@ -71,9 +75,19 @@ class StudyVisits:
         self._conductor = conductor
         self._clock = clock
         self._pool = pool
+        self._queue = queue
         self._tickets = tickets
         self._report = report
+        conductor.listeners.append(self._forget_result)
         self.texts: Texts = texts_of(design.study, design.beside)
+
+    def _forget_result(self, logged: LoggedEvent) -> None:
+        """Delete the result of a person's game once the log shows that it is not needed any more."""
+        event = logged.event
+        if event.kind in {EventKind.STEP_ENDED, EventKind.RUN_ENDED}:
+            run = self._conductor.progress.runs[event.participant]
+            for step in run.plan[: event.step or run.step]:
+                self._pool.games.forget(game_key(run, step))
 
     def window(self) -> BrowserWindow:
         """Return a window in the study's language."""
@@ -83,7 +97,7 @@ class StudyVisits:
         """Take a visitor through the study, from the step at which they are."""
         await window.send(StudyTexts(GameTexts.of(self.texts)))
         pages = KioskPages(self._conductor, window, self.texts)
-        games = PooledGames(self._folder, self._pool, window)
+        games = PooledGames(self._folder, self._pool, self._queue, window, pages)
         course = StudyCourse(self._design, self._conductor, pages, games, self._clock)
         listening = asyncio.create_task(pages.listen())
         try:
@@ -111,8 +125,9 @@ class StudyVisits:
             await course.go_through(participant)
         elif run.state is RunState.UNDER_WAY:
             pages.person = participant
-            with contextlib.suppress(RunOver):
-                await pages.read(TextToRead(0, *words.headed(self.texts, "restarted")))
+            if not self._is_playing(run):
+                with contextlib.suppress(RunOver):
+                    await pages.read(TextToRead(0, *words.headed(self.texts, "restarted")))
             await course.go_through(participant, again=True)
         elif not run.farewell_read:
             pages.person = participant
@@ -132,11 +147,19 @@ class StudyVisits:
             while not isinstance(await pages.next(), WentOn):
                 pass
 
+    def _is_playing(self, run: Run) -> bool:
+        """Return True if a worker plays a game of the person, so that nothing was interrupted for them."""
+        step = self._conductor.progress.next_step(run.participant)
+        key = "" if step is None else game_key(run, step)
+        return any(self._pool.games.is_running(each) for each in (key, f"{key}-practice"))
+
     async def _admit(self, course: StudyCourse, pages: KioskPages) -> str:
         """Show the first page until a visitor has a place; return their id, or nothing if the study is full."""
         texts = self.texts
         await course.text_steps.send_instructions(None)
         while True:
+            if self._queue.is_closed:
+                await pause(pages.window, texts)
             place = self._conductor.progress.next_place()
             if place is NoPlace.FULL:
                 await pages.show(TextToRead(0, *words.headed(texts, "full"), button=""))
@@ -148,5 +171,7 @@ class StudyVisits:
             await pages.show(TextToRead(0, *words.headed(texts, "welcome"), button=begin, anew=True))
             while not isinstance(await pages.next(), WentOn):
                 pass
+            if self._queue.is_closed:
+                continue
             if not isinstance(admitted := self._conductor.admit(), NoPlace):
                 return admitted.participant

@@ -85,14 +85,17 @@ class StudyPageMaker:
                     "text": sentence,
                     **self._progress(message.progress),
                 }
-            case TurnToAwait(page=number, heading=heading, text=text, waited=waited):
+            case TurnToAwait(page=number, heading=heading, text=text, waited=waited, before=before):
                 clock = f"{waited // 60}:{waited % 60:02}"
+                sentences = [texts.text("web.waited", time=clock)]
+                if before:
+                    sentences.append(texts.text("web.before_you", count=before))
                 return {
                     "t": "turn",
                     "page": number,
                     "heading": heading,
                     "html": self._html(text, markdown=False),
-                    "waited": texts.text("web.waited", time=clock),
+                    "waited": " ".join(sentences),
                     "button": texts.text("web.stop_waiting"),
                     **self._progress(message.progress),
                 }

@@ -1,12 +1,15 @@
-"""Pool of workers on this machine: each is forked from a warm process, so that a game starts within a second."""
+"""Pool of workers on this machine: each is forked from a warm process, so that a game starts within a second.
+
+Workers outlive the server that has started them. The next server of the same folder connects to them.
+"""
 
 import asyncio
 import multiprocessing
-import secrets
+import os
+import signal
 from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from multiprocessing.context import ForkServerContext
-from pathlib import Path
 
 import msgspec
 
@@ -24,14 +27,40 @@ from ui.web.pool.messages import (
     WorkerResult,
     encode_line,
 )
+from ui.web.pool.running_games import RunningGames
 from ui.web.pool.worker import GameRequest, work
 
 START_TIMEOUT = 30.0
 """Seconds for a worker to open its socket."""
 END_TIMEOUT = 10.0
 """Seconds for a worker to end its game and to close its files."""
+MOST_DEATHS = 5
+"""Number of a game's workers that may die in a row at the same time of the game."""
 LOOK = 0.02
-"""Seconds between two looks for a worker's socket."""
+"""Seconds between two looks for a worker."""
+
+
+class DeathCount:
+    """Number of a game's workers that have died in a row, at the same time of the game.
+
+    Attributes:
+        reached: simulated time of the game, seconds.
+    """
+
+    def __init__(self) -> None:
+        self.reached = 0.0
+        self._at = -1.0
+        self._number = 0
+
+    def add(self) -> None:
+        """Count a death."""
+        self._number = self._number + 1 if self.reached <= self._at else 1
+        self._at = self.reached
+
+    @property
+    def are_too_many(self) -> bool:
+        """True if the game counts as impossible."""
+        return self._number >= MOST_DEATHS
 
 
 class WorkerDied(Exception):  # noqa: N818 - the game is resumed
@@ -48,6 +77,7 @@ class HostedGame:
 
     Attributes:
         news: function that receives all other messages.
+        over: True after the worker has sent its result.
     """
 
     def __init__(
@@ -60,6 +90,7 @@ class HostedGame:
         self._reader, self._writer = reader, writer
         self._shown, self.news = shown, news
         self._stream = 0
+        self.over = False
 
     def join(self) -> None:
         """Let the browser show the game from its present state on."""
@@ -92,6 +123,7 @@ class HostedGame:
                         if stream == self._stream:
                             self._shown(text)
                     case WorkerResult():
+                        self.over = True
                         return message
                     case _:
                         self.news(message)
@@ -105,72 +137,98 @@ class HostedGame:
 
 
 class WorkerPool:
-    """Pool that starts a worker for each game.
+    """Pool that starts a worker for each game, or finds the worker that plays it already.
 
     Args:
-        folder: folder for the workers' sockets, readable by this user alone.
+        games: the running games.
         most: greatest number of games at the same time.
     """
 
-    def __init__(self, folder: Path, most: int) -> None:
-        self._folder = folder
+    def __init__(self, games: RunningGames, most: int) -> None:
+        self.games = games
         self._most = most
         self._context: ForkServerContext = multiprocessing.get_context("forkserver")
         self._context.set_forkserver_preload(["ui.web.pool.warm"])
-        self._playing = 0
+        self._entered: set[str] = set()
 
     @property
     def free(self) -> int:
         """Number of games that can still start."""
-        return self._most - self._playing
+        return self._most - len({*self.games, *self._entered})
 
     async def warm_up(self) -> None:
         """Start the process from which workers are forked, and wait until it is ready."""
-        process = self._context.Process(target=_nothing)
-        process.start()
-        await asyncio.to_thread(process.join)
+        await asyncio.to_thread(self._run, _nothing)
 
     @asynccontextmanager
-    async def start(
-        self, request: GameRequest, shown: Callable[[str], None], news: Callable[[FromWorker], None]
+    async def enter(
+        self, key: str, request: GameRequest, shown: Callable[[str], None], news: Callable[[FromWorker], None]
     ) -> AsyncIterator[HostedGame]:
-        """Start a game; at the end of the context its worker is gone.
+        """Connect to the worker that plays a game; if there is none, start one.
+
+        If the block ends before the game, the worker waits for another connection.
+
+        Args:
+            key: key of the game.
+            request: the game.
+            shown: function that receives messages for the browser.
+            news: function that receives all other messages.
 
         Raises:
-            WorkerDied: the worker could not be started.
+            WorkerDied: the worker could not be started, or died before the connection.
         """
-        token = secrets.token_hex(16)
-        path = self._folder / f"{token[:12]}.sock"
-        process = self._context.Process(target=work, args=(request, path, token))
-        self._playing += 1
         writer: asyncio.StreamWriter | None = None
+        self._entered.add(key)
         try:
-            process.start()
-            reader, writer = await _connected(path, process.is_alive)
-            writer.write(encode_line(GatewayHello(token)))
-            yield HostedGame(reader, writer, shown, news)
+            if not self.games.is_running(key):
+                await asyncio.to_thread(self._run, work, request, self.games.folder, key)
+            reader, writer = await self._connected(key)
+            game = HostedGame(reader, writer, shown, news)
+            yield game
+            if game.over:
+                await self._gone(key)
         finally:
-            self._playing -= 1
-            if writer is not None and not writer.is_closing():
-                # A game that is still played ends, and its recording is complete.
-                writer.write(encode_line(PersonLeft()))
-                await asyncio.to_thread(process.join, END_TIMEOUT)
+            self._entered.discard(key)
+            if writer is not None:
                 writer.close()
-            if process.is_alive():
-                process.kill()
-            await asyncio.to_thread(process.join)
-            path.unlink(missing_ok=True)
 
+    async def end(self, key: str) -> None:
+        """End a game whose person does not come back to it, if it is running."""
+        with suppress(WorkerDied):
+            if self.games.is_running(key):
+                _, writer = await self._connected(key)
+                writer.write(encode_line(PersonLeft()))
+                await self._gone(key)
+                writer.close()
+        self.games.forget(key)
 
-async def _connected(path: Path, alive: Callable[[], bool]) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
-    loop = asyncio.get_running_loop()
-    late = loop.time() + START_TIMEOUT
-    while alive() and loop.time() < late:
-        try:
-            return await asyncio.open_unix_connection(path, limit=LONGEST_LINE)
-        except (FileNotFoundError, ConnectionRefusedError):
+    async def _connected(self, key: str) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+        loop = asyncio.get_running_loop()
+        late = loop.time() + START_TIMEOUT
+        while self.games.is_running(key) and loop.time() < late:
+            address = self.games.address(key)
+            if address is not None:
+                with suppress(FileNotFoundError, ConnectionRefusedError):
+                    reader, writer = await asyncio.open_unix_connection(address.socket, limit=LONGEST_LINE)
+                    writer.write(encode_line(GatewayHello(address.token)))
+                    return reader, writer
             await asyncio.sleep(LOOK)
-    raise WorkerDied
+        raise WorkerDied
+
+    async def _gone(self, key: str) -> None:
+        """Wait until the process of an ended game is gone; end it if it hangs."""
+        loop = asyncio.get_running_loop()
+        late = loop.time() + END_TIMEOUT
+        while self.games.is_running(key):
+            if loop.time() > late and (address := self.games.address(key)) is not None:
+                with suppress(ProcessLookupError):
+                    os.kill(address.process, signal.SIGKILL)
+            await asyncio.sleep(LOOK)
+
+    def _run(self, program: Callable[..., None], *arguments: object) -> None:
+        process = self._context.Process(target=program, args=arguments)
+        process.start()
+        process.join()
 
 
 def _nothing() -> None:

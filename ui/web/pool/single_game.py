@@ -3,17 +3,20 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from sim.common.observations import TICK, TICKS_PER_SECOND
 from thbridge.app import play as hunt
 from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.errors import BadFile
+from thbridge.recording.recordings import make_room
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.study_file import Study
 from ui.command_line.settings import setting_of
 from ui.hosting.games import practice_setting
 from ui.web.page.patches import Json
+from ui.web.pool.messages import GamePassed
 from ui.web.pool.worker import SeatOfGame
 
 
@@ -51,6 +54,8 @@ class SingleGame:
         if self.practice:
             setting = practice_setting(setting)
         inputs = None if self.bag is None else self.bag.with_suffix(".inputs")
+        if self.bag is not None:
+            make_room(self.bag)  # An earlier worker may have died.
         options = PlayOptions(
             setting.study.rate or 1.0,
             self.bag,
@@ -59,7 +64,12 @@ class SingleGame:
             self.max_seconds,
             left=seat.has_left,
             inputs=inputs,
+            checkpoints=seat.checkpoints,
         )
+
+        def progress(moment: TickRecord) -> None:
+            if moment.tick % TICKS_PER_SECOND == 0:
+                seat.report(GamePassed(moment.tick * TICK, 0.0, 0.0))
 
         def ready(where: ListeningAddress | CannotListen) -> None:
             if isinstance(where, CannotListen):
@@ -67,11 +77,7 @@ class SingleGame:
             seat.ready(where)
 
         try:
-            outcome = await hunt.play(setting, None, options, ready, _ignore)
+            outcome = await hunt.play(setting, None, options, ready, progress)
         except HuntUnfinished as early:
             outcome = early.outcome
         return {"score": outcome.score, "over": outcome.over}
-
-
-def _ignore(moment: TickRecord) -> None:
-    """Do nothing: the recording has everything."""

@@ -4,14 +4,20 @@ import asyncio
 import hmac
 import logging
 import os
+import secrets
+import selectors
 import signal
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
-from typing import Protocol
+from typing import IO, Protocol
 
 import msgspec
+from msgspec import structs
 
 from thbridge.app.consent import ParticipantDeclined
+from thbridge.app.play import Checkpoints
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.errors import BadFile
 from thbridge.sockets.addresses import ListeningAddress
@@ -35,16 +41,24 @@ from ui.web.pool.messages import (
     WorkerResult,
     encode_line,
 )
+from ui.web.pool.running_games import RunningGames, WorkerAddress
+from ui.web.pool.sleeping_copies import SleepingCopies
 from ui.web.seat import GameSeat
 
 _log = logging.getLogger(__name__)
 
 GATEWAY_TIMEOUT = 60.0
-"""Seconds without a gateway after which a worker ends its game, or forgets its result."""
+"""Seconds without a gateway after which a worker ends its game."""
+FAREWELL_TIMEOUT = 5.0
+"""Seconds for a gateway to read the last messages."""
 
 
 class SeatOfGame(Protocol):
     """Seat of a person in a game that a request plays; see `Worker`."""
+
+    @property
+    def checkpoints(self) -> Checkpoints:
+        """Copies of this process, which continue the game if the process is killed."""
 
     def ready(self, where: ListeningAddress) -> None:
         """Seat the person at the game with this address."""
@@ -89,38 +103,50 @@ class Worker:
 
     Args:
         request: game to play.
-        path: path of the socket on which the gateway connects.
-        token: secret of the worker.
+        address: address of the worker.
+        record: file in which the gateway finds the address.
+        keep: function that keeps the result, also if no gateway is connected.
+
+    Attributes:
+        checkpoints: see `SeatOfGame`.
     """
 
-    def __init__(self, request: GameRequest, path: Path, token: str) -> None:
+    def __init__(
+        self, request: GameRequest, address: WorkerAddress, record: IO[bytes], keep: Callable[[WorkerResult], None]
+    ) -> None:
+        self.checkpoints = SleepingCopies(record, self._wake_up)
+        self._record = record
         self._request = request
-        self._path = path
-        self._token = token
+        self._address = address
+        self._keep = keep
         self._gateway: asyncio.StreamWriter | None = None
         self._connected = asyncio.Event()
         self._seat: GameSeat | None = None
         self._seated: asyncio.Task[None] | None = None
         self._browser = False
         self._stream = 0
-        self._left = False
+        self._left = self._abandoned = False
         self._reported: set[type[FromWorker]] = set()
         # Messages that a gateway needs to know, also one that connects later.
         self._state: list[FromWorker] = []
 
     async def run(self) -> None:
         """Play the game, and report its result to the gateway."""
-        server = await asyncio.start_unix_server(self._serve, self._path, limit=LONGEST_LINE)
+        server = await asyncio.start_unix_server(self._serve, self._address.socket, limit=LONGEST_LINE)
+        self._write_address()
         async with server:
             watching = asyncio.create_task(self._watch_gateway())
             ended = await self._play()
             watching.cancel()
             await self._leave_seat()
+            if self._abandoned:
+                return  # The game is resumed from its log of inputs when its person comes back.
+            if not ended.problem:
+                self._keep(ended)
             self.note(ended)
-            with suppress(TimeoutError):
-                async with asyncio.timeout(GATEWAY_TIMEOUT):
-                    await self._connected.wait()
-                    if self._gateway is not None:
+            if self._gateway is not None:
+                with suppress(TimeoutError, ConnectionError):
+                    async with asyncio.timeout(FAREWELL_TIMEOUT):
                         await self._gateway.drain()
                         self._gateway.close()
                         await self._gateway.wait_closed()
@@ -133,7 +159,7 @@ class Worker:
                     await self._connected.wait()
             except TimeoutError:
                 _log.warning("the gateway is gone; the game ends")
-                self._left = True
+                self._left = self._abandoned = True
             await asyncio.sleep(1.0)
 
     async def _play(self) -> WorkerResult:
@@ -145,6 +171,25 @@ class Worker:
             return WorkerResult(problem=str(bad))
         return WorkerResult(msgspec.Raw(msgspec.json.encode(result)))
 
+    def _wake_up(self) -> None:
+        """Continue as the worker, which was killed. This process is a copy of it."""
+        self._write_address()
+        # The threads of the other process do not exist here.
+        asyncio.get_running_loop().set_default_executor(ThreadPoolExecutor())
+        gateway, self._gateway = self._gateway, None
+        self._connected.clear()
+        if gateway is not None:
+            gateway.transport.abort()
+        if self._seated is not None:
+            self._seated.cancel()
+        self._seat, self._seated, self._browser = None, None, False
+        self._state = [message for message in self._state if not isinstance(message, GameReady)]
+
+    def _write_address(self) -> None:
+        """Write the address of this process for the gateway."""
+        self._record.truncate(0)
+        self._record.write(msgspec.json.encode(structs.replace(self._address, process=os.getpid())))
+
     # The game's side
 
     def ready(self, where: ListeningAddress) -> None:
@@ -153,7 +198,7 @@ class Worker:
         request = self._request
         seat = GameSeat(
             ListeningAddress(host, where.port),
-            self._token,
+            self._address.token,
             request.texts(),
             practice=request.practice,
             once=request.once,
@@ -193,7 +238,7 @@ class Worker:
         """Serve a gateway; a new gateway replaces the one before it, which has died."""
         try:
             hello = TO_WORKER.decode(await reader.readline())
-            if not isinstance(hello, GatewayHello) or not hmac.compare_digest(hello.token, self._token):
+            if not isinstance(hello, GatewayHello) or not hmac.compare_digest(hello.token, self._address.token):
                 return
             before, self._gateway = self._gateway, writer
             if before is not None:
@@ -250,9 +295,26 @@ class Worker:
             self._gateway.write(encode_line(message))
 
 
-def work(request: GameRequest, path: Path, token: str) -> None:
-    """Run a worker; this is the main function of its process."""
-    # Ctrl-C in the terminal is for the gateway, which then ends the games.
+def work(request: GameRequest, folder: Path, key: str) -> None:
+    """Play a game in a process of its own; this process ends at once.
+
+    If the game already has a worker, do nothing.
+    """
+    games = RunningGames(folder)
+    record = games.claim(key)
+    # The server that starts the game does not wait for its worker, which outlives the server.
+    if record is None or os.fork() != 0:
+        return
+    # Ctrl-C in the terminal is for the server.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.setsid()
-    asyncio.run(Worker(request, path, token).run())
+    token = secrets.token_hex(16)
+    address = WorkerAddress(str(games.socket(token)), token, os.getpid())
+    worker = Worker(request, address, record, lambda result: games.keep(key, result))
+    # Copies of this process would share a selector that the system keeps, such as epoll.
+    with record, asyncio.Runner(loop_factory=lambda: asyncio.SelectorEventLoop(selectors.PollSelector())) as runner:
+        try:
+            runner.run(worker.run())
+        finally:
+            worker.checkpoints.drop()
+    Path(address.socket).unlink(missing_ok=True)

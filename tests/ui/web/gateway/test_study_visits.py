@@ -1,7 +1,8 @@
 """A whole study in browsers: two people at once, each with their own steps, answers and recorded game."""
 
 import asyncio
-import multiprocessing
+import os
+import signal
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from tests.support.studies.served_study import served
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.events import EventKind, RunState
+from ui.web.pool.running_games import RunningGames
 
 STUDY = """\
 title: In browsers
@@ -106,6 +108,7 @@ def test_two_people_go_through_the_study_at_the_same_time(folder: Path) -> None:
 
 def test_a_game_whose_worker_is_killed_is_resumed_where_it_was(folder: Path) -> None:
     times: list[str] = []
+    running = RunningGames.of(folder)
 
     async def kill(browser: BrowserClient) -> None:
         await browser.until(lambda: browser.tree.get("phase") == "playing" and browser.tree["tiles"])
@@ -113,14 +116,16 @@ def test_a_game_whose_worker_is_killed_is_resumed_where_it_was(folder: Path) -> 
         await browser.act(browser.tree["tiles"][0]["choose"]["act"])
         await browser.until(lambda: browser.tree["dialogue"] and browser.tree["dialogue"]["choices"])
         times.append(browser.tree["dialogue"]["title"])
-        (worker,) = multiprocessing.active_children()
-        worker.kill()
+        (key,) = running
+        killed = running.address(key)
+        assert killed is not None
+        os.kill(killed.process, signal.SIGKILL)
         browser.tree = {}
         await browser.until(lambda: browser.tree.get("dialogue") and browser.tree["dialogue"]["choices"])
         times.append(browser.tree["dialogue"]["title"])
 
     async def run() -> Conductor:
-        async with served(folder) as (port, conductor):
+        async with served(folder, running) as (port, conductor):
             await person(port, "yes", kill)
         return conductor
 

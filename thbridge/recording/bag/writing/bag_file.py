@@ -106,6 +106,10 @@ class ChunkFile:
             raise
         self._complete = True
 
+    def rewind(self) -> None:
+        """Drop everything after the kept bytes, which another process has written."""
+        self._cut()
+
     def close(self) -> None:
         """Close the file without completing it."""
         self._file.close()

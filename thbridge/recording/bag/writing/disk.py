@@ -91,6 +91,17 @@ class BagDisk:
         """Wait for the disk if a session runs at full speed. In real time, it does not wait: few bytes are pending."""
         self._writing.wait(WAITING_BYTES, BEHIND_SECONDS)
 
+    @property
+    def is_idle(self) -> bool:
+        """True if everything is written and synced so far."""
+        return self._writing.wait(0, 0.0) and self._syncing.wait(0, 0.0)
+
+    def rewind(self) -> None:
+        """Continue in a copy of the process that was made while `is_idle`; drop what the process has written since."""
+        self._writing.restart()
+        self._syncing.restart()
+        self._parts.rewind()
+
     def finish(self) -> bool:
         """Complete the files; return False if that takes too long."""
         self._writing.submit(self._parts.finish)

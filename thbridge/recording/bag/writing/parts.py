@@ -95,6 +95,10 @@ class SplitBagWriter:
             file.finish()
             self._settle(file)
 
+    def rewind(self) -> None:
+        """Drop what another process has written into the file."""
+        self._file.rewind()
+
     def abandon(self) -> None:
         """Close all open files without completing them."""
         for file in self._open:

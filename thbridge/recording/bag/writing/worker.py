@@ -36,6 +36,9 @@ class JobQueue(Protocol):
     def end(self) -> None:
         """Accept no more jobs, and drop the waiting jobs; the running job is finished."""
 
+    def restart(self) -> None:
+        """Continue in a copy of the process, which was made while no job was waiting."""
+
 
 class WorkerThread:
     """A queue with its own thread, which ends with the program.
@@ -50,9 +53,14 @@ class WorkerThread:
         self.waiting = 0
         self._clock = clock
         self._jobs: deque[tuple[float, int, Job]] = deque()
-        self._changed = threading.Condition()
         self._ended = False
-        threading.Thread(target=self._run, name=name, daemon=True).start()
+        self._name = name
+        self.restart()
+
+    def restart(self) -> None:
+        """Start the thread. A copy of the process has no thread, and its lock may belong to the thread of the other."""
+        self._changed = threading.Condition()
+        threading.Thread(target=self._run, name=self._name, daemon=True).start()
 
     def submit(self, job: Job, size: int = 0) -> None:
         """Add a job after the waiting jobs."""

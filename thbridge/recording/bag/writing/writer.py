@@ -136,6 +136,18 @@ class BagWriter:
         self._synced = self._clock()
         self._check()
 
+    @property
+    def is_idle(self) -> bool:
+        """True if a copy of this process could continue the recording from here; see `rewind`."""
+        return self._open and not self._splitting.wanted and self._disk.is_idle
+
+    def rewind(self) -> None:
+        """Continue the recording in a copy of the process that has died, from the point at which the copy was made.
+
+        What the process wrote after this point is dropped.
+        """
+        self._disk.rewind()
+
     def close(self) -> None:
         """Complete the bag and give it its final name; a second call does nothing.
 

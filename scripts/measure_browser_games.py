@@ -1,0 +1,367 @@
+"""Measure games in browsers: many people at once, over real WebSockets; docs/reference/benchmarks.md has the figures.
+
+Run this script from the project's folder: `.venv/bin/python scripts/measure_browser_games.py --games 42 --minutes 20`.
+It starts `thbridge serve` with a study of one game for each person. Programs in place of people play: every 3 to 8
+seconds, each one does an act that its page offers. The script prints the time from an act to the next page, errors,
+stalls, memory and processor time. With `--find`, it looks for the greatest number of games within the bound, in trials
+of `--minutes` each. The exit code is 1 if there is an error or a stall, or if the time is above the bound.
+"""
+
+import argparse
+import asyncio
+import os
+import random
+import re
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT))
+
+from tests.support.programs.browser_client import BrowserClient  # noqa: E402 - it is next to the tests
+from ui.web.pool.running_games import RunningGames  # noqa: E402
+
+PROGRAM = [sys.executable, "-c", "from ui.cli import main; main()"]
+STUDY = """\
+title: Games in browsers
+base: {{map: {map}, robots: {robots}, server.port: 0}}
+quota: 100000
+consent_elsewhere: People agreed before.
+steps:
+  - {{step: instructions, text: welcome.txt}}
+  - {{step: trial, name: game, max_seconds: {seconds}}}
+"""
+BOUND = 0.1
+"""Greatest 95th percentile of the time from an act to the next page, seconds."""
+STALL = 2.0
+"""An act without a page within this many seconds counts as a stall."""
+THINKING = (3.0, 8.0)
+"""Shortest and longest time between two acts of a person, seconds."""
+START_SECONDS = 300.0
+LEAVING = {
+    *("DeclineConsentAct", "GoOnFromGame", "EndGameAct", "CloseWindow", "PlayAgainAct", "ShowSettings", "ShowHelp"),
+    *("EnlargePicture", "FollowRobot", "FitMap", "SwitchSound"),
+}
+"""Acts that end the game, or that change nothing in it."""
+MEGABYTE = 1 << 20
+TICKS = os.sysconf("SC_CLK_TCK")
+
+
+@dataclass
+class Measured:
+    """Measurements of all people.
+
+    Attributes:
+        times: seconds from each act to the next page.
+        stalls: number of acts without a page within `STALL`.
+        errors: errors, and the number of each.
+        acts: number of acts.
+        playing: number of people in a game.
+        games: number of games that ended.
+    """
+
+    times: list[float] = field(default_factory=list)
+    stalls: int = 0
+    errors: dict[str, int] = field(default_factory=dict)
+    acts: int = 0
+    playing: int = 0
+    games: int = 0
+
+    def blame(self, error: BaseException) -> None:
+        """Count an error."""
+        name = f"{type(error).__name__}: {error}"[:80]
+        self.errors[name] = self.errors.get(name, 0) + 1
+
+
+class Person:
+    """Program that plays one game after the other, each time as another person.
+
+    Args:
+        port: port of the server.
+        chosen: source of random numbers.
+        measured: measurements of all people.
+    """
+
+    def __init__(self, port: int, chosen: random.Random, measured: Measured) -> None:
+        self._port, self._chosen, self._measured = port, chosen, measured
+
+    async def play(self) -> None:
+        """Play until cancelled."""
+        while True:
+            browser = BrowserClient(self._port)
+            try:
+                await asyncio.to_thread(browser.load)
+                await browser.open()
+                await self._take_part(browser)
+            except (OSError, TimeoutError, LookupError, AssertionError) as error:
+                self._measured.blame(error)
+                await asyncio.sleep(1.0)
+            finally:
+                await browser.close()
+
+    async def _take_part(self, browser: BrowserClient) -> None:
+        for _ in range(2):
+            await browser.press_button()
+        await browser.until(lambda: browser.tree.get("phase") == "playing", START_SECONDS)
+        self._measured.playing += 1
+        try:
+            while browser.tree.get("phase") == "playing":
+                await asyncio.sleep(self._chosen.uniform(*THINKING))
+                await self._act(browser)
+        finally:
+            self._measured.playing -= 1
+        self._measured.games += 1
+
+    async def _act(self, browser: BrowserClient) -> None:
+        """Do one act, and measure the time to the next page."""
+        offered = [each for each in offers(front(browser.tree)) if each["act"] not in LEAVING]
+        if not offered:
+            return
+        number, began = browser.number, time.monotonic()
+        browser.texts.clear()
+        await browser.act(self._chosen.choice(offered))
+        self._measured.acts += 1
+        try:
+            while browser.number == number:
+                if time.monotonic() - began > STALL:
+                    raise TimeoutError
+                await browser.received()
+        except TimeoutError:
+            self._measured.stalls += 1
+            return
+        self._measured.times.append(time.monotonic() - began)
+
+
+def front(tree: dict[str, Any]) -> object:
+    """Return the part of a page that a person would use now: a pop-up if there is one."""
+    return tree["question"] or tree["treasure"] or tree["dialogue"] or [tree["cards"], tree["tiles"], tree["waiting"]]
+
+
+def offers(part: object) -> Iterator[dict[str, Any]]:
+    """Yield the acts of all buttons that are enabled."""
+    if isinstance(part, dict):
+        if part.get("enabled") and not part.get("pending") and isinstance(part.get("act"), dict):
+            yield part["act"]
+        elif isinstance(part.get("pick"), dict) and not part.get("picked"):
+            yield part["pick"]
+        for each in part.values():
+            yield from offers(each)
+    elif isinstance(part, list):
+        for each in part:
+            yield from offers(each)
+
+
+@contextmanager
+def server(study: Path, games: int) -> Iterator[int]:
+    """Start a server; yield its port. All its games end with it."""
+    log = study.parent / "server.txt"
+    with log.open("wb") as output:
+        program = subprocess.Popen(
+            [*PROGRAM, "serve", str(study), "--port", "0", "--games", str(games)],
+            stdout=output,
+            stderr=output,
+            env={**os.environ, "PYTHONPATH": str(ROOT), "PYTHONUNBUFFERED": "1"},
+        )
+        try:
+            while (found := re.search(r"Open http://127\.0\.0\.1:(\d+)/", log.read_text())) is None:
+                if program.poll() is not None:
+                    sys.exit(f"The server did not start: {log.read_text()}")
+                time.sleep(0.1)
+            yield int(found[1])
+        finally:
+            program.terminate()
+            program.wait()
+            for process in processes(study):
+                with suppress(ProcessLookupError):
+                    os.kill(process, signal.SIGKILL)
+
+
+def processes(study: Path) -> list[int]:
+    """Return the processes of all running games."""
+    games = RunningGames.of(study)
+    return [address.process for key in games if (address := games.address(key)) is not None]
+
+
+def family(process: int) -> Iterator[int]:
+    """Yield a process and its descendants, such as the copies of a worker."""
+    yield process
+    with suppress(OSError):
+        for child in Path(f"/proc/{process}/task/{process}/children").read_text().split():
+            yield from family(int(child))
+
+
+def cpu_seconds(process: int) -> float:
+    """Return the processor time of a process."""
+    with suppress(OSError):
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / TICKS
+    return 0.0
+
+
+def memory(process: int) -> int:
+    """Return the memory of a process and its descendants in bytes; shared memory is divided among its users."""
+    total = 0
+    for each in family(process):
+        with suppress(OSError):
+            text = Path(f"/proc/{each}/smaps_rollup").read_text()
+            found = re.search(r"^Pss:\s+(\d+) kB", text, re.MULTILINE)
+            total += 0 if found is None else int(found[1]) * 1024
+    return total
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Result of one trial.
+
+    Attributes:
+        games: number of games at the same time.
+        measured: measurements of the people.
+        cores: processor time per second of a game, of the gateway, and of the people's programs.
+        game_memory: bytes of a game.
+        gateway_memory: bytes of the gateway.
+    """
+
+    games: int
+    measured: Measured
+    cores: tuple[float, float, float]
+    game_memory: float
+    gateway_memory: int
+
+    @property
+    def p95(self) -> float:
+        """95th percentile of the time from an act to the next page, seconds."""
+        times = self.measured.times
+        return statistics.quantiles(times, n=20)[-1] if len(times) > 1 else float("inf")
+
+    @property
+    def holds(self) -> bool:
+        """True if the time is within the bound, and there is no error and no stall."""
+        return self.p95 < BOUND and not self.measured.errors and not self.measured.stalls
+
+    def rows(self) -> Iterator[tuple[str, str]]:
+        """Yield the rows of a table."""
+        measured, (game, gateway, people) = self.measured, self.cores
+        times = sorted(measured.times) or [float("inf")]
+        yield "games at the same time", f"{self.games}"
+        yield "acts", f"{measured.acts}"
+        yield "act to page, median", f"{1000 * statistics.median(times):.0f} ms"
+        yield "act to page, 95 %", f"{1000 * self.p95:.0f} ms (bound: {1000 * BOUND:.0f} ms)"
+        yield "act to page, longest", f"{1000 * times[-1]:.0f} ms"
+        yield "stalls", f"{measured.stalls}"
+        yield "errors", ", ".join(f"{name} ({count})" for name, count in measured.errors.items()) or "0"
+        yield "games ended", f"{measured.games}"
+        yield "memory of a game", f"{self.game_memory / MEGABYTE:.0f} MB"
+        yield "memory of the gateway", f"{self.gateway_memory / MEGABYTE:.0f} MB"
+        yield "processor time of a game", f"{100 * game:.1f} % of a core"
+        yield "processor time of the gateway", f"{100 * gateway:.1f} % of a core"
+        yield "processor time of the people's programs", f"{100 * people:.1f} % of a core"
+        share = game + gateway / self.games
+        for cores in (2, 16, 64):
+            yield f"games on {cores} cores at 80 % of their time", f"{int(0.8 * cores / share) if share else 0}"
+
+
+async def trial(study: Path, port: int, games: int, seconds: float, seed: int) -> Trial:
+    """Let people play for some time."""
+    measured = Measured()
+    players = [asyncio.create_task(Person(port, random.Random(seed + each), measured).play()) for each in range(games)]
+    began = time.monotonic()
+    while measured.playing < games and time.monotonic() - began < START_SECONDS:
+        await asyncio.sleep(0.1)
+    # Only the time in which everybody plays is measured.
+    measured.times.clear()
+    measured.acts = measured.stalls = 0
+    workers, gateway = processes(study), gateway_of(study)
+    before, began, own = (
+        {each: cpu_seconds(each) for each in (*workers, gateway)},
+        time.monotonic(),
+        time.process_time(),
+    )
+    await asyncio.sleep(seconds)
+    passed = time.monotonic() - began
+    spent = {each: cpu_seconds(each) - cpu for each, cpu in before.items() if cpu_seconds(each) > cpu}
+    people = (time.process_time() - own) / passed
+    game = statistics.fmean([spent[each] for each in workers if each in spent] or [0.0]) / passed
+    now = processes(study)
+    result = Trial(
+        games,
+        measured,
+        (game, spent.get(gateway, 0.0) / passed, people),
+        statistics.fmean(map(memory, now)) if now else 0.0,
+        memory(gateway),
+    )
+    for player in players:
+        player.cancel()
+    await asyncio.gather(*players, return_exceptions=True)
+    return result
+
+
+def gateway_of(study: Path) -> int:
+    """Return the process of the server of a study, which its parent process starts again if it dies."""
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        with suppress(OSError):
+            words = path.read_bytes().split(b"\0")
+            parent = int(path.with_name("stat").read_text().rpartition(")")[2].split()[1])
+            if b"serve" in words and str(study).encode() in words and parent != os.getpid():
+                return int(path.parent.name)
+    raise LookupError("the server has ended")
+
+
+def try_games(options: argparse.Namespace, games: int) -> Trial:
+    """Measure one number of games, and print the table."""
+    with tempfile.TemporaryDirectory(prefix="thbridge-trial-", dir=options.folder) as folder:
+        study = Path(folder, "study")
+        study.mkdir()
+        (study / "welcome.txt").write_text("You play one game.\n")
+        seconds = int(60 * options.minutes) + 600
+        text = STUDY.format(map=options.map, robots=options.robots, seconds=seconds)
+        (study / "experiment.yaml").write_text(text)
+        with server(study, games) as port:
+            result = asyncio.run(trial(study, port, games, 60 * options.minutes, options.seed))
+    rows = [*result.rows()]
+    width = max(len(name) for name, _ in rows)
+    print("\n".join(f"{name:{width}}  {value}" for name, value in rows), flush=True)
+    print(flush=True)
+    return result
+
+
+def find(options: argparse.Namespace) -> bool:
+    """Print the greatest number of games within the bound; return False if there is none."""
+    good, bad = 0, None
+    games = options.games
+    while bad is None or bad - good > max(good // 10, 1):
+        if try_games(options, games).holds:
+            good = games
+        else:
+            bad = games
+        games = 2 * good if bad is None else (good + bad) // 2
+        if games == 0:
+            break
+    print(f"This machine holds {good} games: thbridge serve --games {good}")
+    return good > 0
+
+
+def main() -> None:
+    """Run the trials."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--games", type=int, default=42, help="number of games; with --find, of the first trial")
+    parser.add_argument("--minutes", type=float, default=5.0, help="minutes in which all people play")
+    parser.add_argument("--find", action="store_true", help="find the greatest number of games within the bound")
+    parser.add_argument("--map", default="arena8", help="map of the games")
+    parser.add_argument("--robots", type=int, default=3, help="robots in each game")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the people's choices")
+    parser.add_argument("--folder", help="folder for the recordings, which are deleted")
+    options = parser.parse_args()
+    sys.exit(0 if (find(options) if options.find else try_games(options, options.games).holds) else 1)
+
+
+if __name__ == "__main__":
+    main()

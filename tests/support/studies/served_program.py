@@ -1,0 +1,97 @@
+"""`thbridge serve` as a program of its own, for a study with one game, and people at it."""
+
+import os
+import re
+import shutil
+import signal
+from contextlib import suppress
+from pathlib import Path
+
+from tests.support.programs.browser_client import BrowserClient
+from tests.support.programs.processes import Program, until
+from ui.web.pool.running_games import RunningGames
+
+STUDY = """\
+title: Games that survive
+seed: 3
+base: {{map: practice, templates: practice, robots: 1, rate: 1, server.port: 0}}
+quota: {quota}
+consent_elsewhere: People agreed before.
+steps:
+  - {{step: instructions, text: welcome.txt}}
+  - {{step: trial, name: game, max_seconds: {seconds}}}
+"""
+
+
+def write_study(folder: Path, *, quota: int = 100, seconds: int = 1200) -> Path:
+    """Write a study with one game for each person; return its folder."""
+    folder.mkdir(exist_ok=True)
+    (folder / "welcome.txt").write_text("You play one game.\n")
+    (folder / "experiment.yaml").write_text(STUDY.format(quota=quota, seconds=seconds))
+    return folder
+
+
+class ServedProgram:
+    """`thbridge serve` of a study folder.
+
+    Args:
+        study: folder of the study.
+        options: further options.
+    """
+
+    def __init__(self, study: Path, *options: str) -> None:
+        self.study = study
+        self.running = RunningGames.of(study)
+        self.program = Program(study.parent, "serve", str(study), "--port", "0", *options)
+
+    @property
+    def port(self) -> int:
+        """Port of the server, once it is ready."""
+        until(
+            "the server", lambda: self._address() is not None or self.program.process.poll() is not None, [self.program]
+        )
+        found = self._address()
+        assert found is not None, self.program.text
+        return int(found[1])
+
+    @property
+    def child(self) -> int:
+        """Number of the process that serves; its parent starts it again if it dies."""
+        parent = self.program.process.pid
+        (child, *_) = Path(f"/proc/{parent}/task/{parent}/children").read_text().split()
+        return int(child)
+
+    @property
+    def workers(self) -> dict[str, int]:
+        """Numbers of the processes of all running games."""
+        found = {key: self.running.address(key) for key in self.running}
+        return {key: address.process for key, address in found.items() if address is not None}
+
+    def again(self) -> None:
+        """Start the server again."""
+        self.program = self.program.again()
+
+    def __enter__(self) -> "ServedProgram":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.program.close()
+        for process in self.workers.values():
+            with suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
+        shutil.rmtree(self.running.folder)
+
+    def _address(self) -> re.Match[str] | None:
+        return re.search(r"Open http://127\.0\.0\.1:(\d+)/", self.program.text)
+
+
+async def begun(browser: BrowserClient) -> None:
+    """Go from the first page into the game."""
+    await browser.press_button()
+    await browser.press_button()
+    await playing(browser)
+
+
+async def playing(browser: BrowserClient) -> None:
+    """Wait until the page of the game is complete."""
+    await browser.until(lambda: browser.tree.get("phase") == "playing" and browser.tree["tiles"], 120)

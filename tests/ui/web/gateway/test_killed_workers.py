@@ -1,0 +1,69 @@
+"""Workers that are killed: their sleeping copies continue the games, and nothing is lost or done twice."""
+
+import asyncio
+import os
+import signal
+from pathlib import Path
+
+from tests.support.programs.browser_client import BrowserClient
+from tests.support.programs.processes import journal
+from tests.support.studies.served_study import served
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.store.events import EventKind, LoggedEvent
+from ui.web.pool.running_games import RunningGames
+
+STUDY = """\
+title: Killed workers
+seed: 3
+base: {map: practice, templates: practice, robots: 1, rate: 10, server.port: 0}
+quota: 4
+consent_elsewhere: People agreed before.
+steps:
+  - {step: trial, name: game, max_seconds: 3000}
+"""
+
+
+def test_a_sleeping_copy_continues_the_game_of_a_killed_worker(tmp_path: Path) -> None:
+    (tmp_path / "experiment.yaml").write_text(STUDY)
+    running = RunningGames.of(tmp_path)
+
+    async def run() -> None:
+        async with served(tmp_path, running) as (port, _):
+            browser = await BrowserClient.arrived(port)
+            await browser.press_button()
+            await browser.until(lambda: browser.tree.get("phase") == "playing" and browser.tree["tiles"])
+            (key,) = running
+            for _ in range(2):
+                worker = running.address(key)
+                assert worker is not None
+                children = Path(f"/proc/{worker.process}/task/{worker.process}/children")
+                await browser.until(lambda children=children: children.read_text().split())
+                (copy,) = map(int, children.read_text().split())
+                # What is done now is not in the copy, but in the log of inputs.
+                await asyncio.sleep(0.4)
+                await browser.act(browser.tree["tiles"][0]["choose"]["act"])
+                await browser.until(lambda: browser.tree["dialogue"] and browser.tree["dialogue"]["choices"])
+                said = browser.tree["dialogue"]["sentences"][-1]
+                os.kill(worker.process, signal.SIGKILL)
+                browser.tree = {}
+                await browser.until(lambda: browser.tree.get("dialogue") and browser.tree["dialogue"]["choices"])
+                assert browser.tree["dialogue"]["sentences"][-1] == said
+                woken = running.address(key)
+                assert woken is not None
+                assert woken.process == copy
+                await asyncio.sleep(0.4)
+                await browser.act(browser.tree["dialogue"]["aside"]["act"])
+                await browser.until(lambda: browser.tree["dialogue"] is None)
+            await browser.end_game()
+            await browser.until(lambda: browser.shown.get("button") == "Finish")
+            await browser.close()
+
+    asyncio.run(asyncio.wait_for(run(), 280))
+    entries = ExperimentFolder(tmp_path).entries()
+    events = [entry.event for entry in entries if isinstance(entry, LoggedEvent)]
+    kinds = [event.kind for event in events]
+    assert kinds.count(EventKind.GAME_PLAYED) == 1
+    assert EventKind.RECORDING_CUT_OFF not in kinds
+    (bag,) = (tmp_path / "recordings").rglob("*.bag")
+    numbers = [event.get("number") for event in journal(bag.with_suffix(""))]
+    assert numbers == sorted(set(numbers))

@@ -1,0 +1,98 @@
+"""End of a server after its games: `thbridge serve --drain` asks for it over a socket in the folder of the games."""
+
+import asyncio
+import re
+import socket
+from collections.abc import AsyncIterator, Callable, Iterable
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+
+import msgspec
+
+from ui.web.gateway.game_queue import GameQueue
+from ui.web.pool.running_games import RunningGames
+
+LOOK = 0.2
+"""Seconds between two looks at the running games."""
+_STUDY_GAME = re.compile(r"(?P<person>.+)-(?P<step>\d+)-\d+(-practice)?")
+_NAMES = msgspec.json.Decoder(list[str])
+
+
+class DrainPort:
+    """Port for requests to end the server after its games.
+
+    Args:
+        games: games of the server.
+        queue: queue for further games, which is closed after a request.
+    """
+
+    def __init__(self, games: RunningGames, queue: GameQueue) -> None:
+        self._games = games
+        self._queue = queue
+        self._over: Callable[[], None] = lambda: None
+        self._ending: asyncio.Task[None] | None = None
+
+    @asynccontextmanager
+    async def opened(self, over: Callable[[], None]) -> AsyncIterator[None]:
+        """Accept requests inside this context; `over` is called when the last game has ended after a request."""
+        self._over = over
+        path = _path(self._games)
+        path.unlink(missing_ok=True)
+        server = await asyncio.start_unix_server(self._serve, path)
+        try:
+            yield
+        finally:
+            server.close()
+            path.unlink(missing_ok=True)
+
+    async def _serve(self, _reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """Send the keys of the running games, and send them again when they change."""
+        self._queue.is_closed = True
+        if self._ending is None:
+            self._ending = asyncio.create_task(self._end())
+        before: list[str] | None = None
+        with suppress(ConnectionError):
+            while True:
+                keys = [*self._games]
+                if keys != before:
+                    before = keys
+                    writer.write(msgspec.json.encode(keys) + b"\n")
+                    await writer.drain()
+                await asyncio.sleep(LOOK)
+
+    async def _end(self) -> None:
+        while [*self._games]:
+            await asyncio.sleep(LOOK)
+        self._over()
+
+
+def drain(games: RunningGames, report: Callable[[str], None]) -> bool:
+    """Ask the server of these games to end after them, and wait for its end; return False if there is no server.
+
+    Args:
+        games: games of the server.
+        report: function that receives sentences about who still plays.
+    """
+    with socket.socket(socket.AF_UNIX) as connection:
+        try:
+            connection.connect(str(_path(games)))
+        except (FileNotFoundError, ConnectionRefusedError):
+            return False
+        with suppress(ConnectionError), connection.makefile("rb") as lines:
+            for line in lines:
+                report(_told(_NAMES.decode(line)))
+    games.await_server()
+    return True
+
+
+def _path(games: RunningGames) -> Path:
+    return games.folder / "drain.sock"
+
+
+def _told(keys: Iterable[str]) -> str:
+    """Return a sentence about the people who play."""
+    named = []
+    for key in keys:
+        found = _STUDY_GAME.fullmatch(key)
+        named.append("a visitor" if found is None else f"{found['person']} (step {found['step']})")
+    return f"Still playing: {', '.join(named)}." if named else "All games have ended."

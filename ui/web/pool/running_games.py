@@ -1,0 +1,162 @@
+"""Folder of a server's running games: a server that is started again finds the workers of the one before it."""
+
+import fcntl
+import hashlib
+import os
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import IO
+
+import msgspec
+
+from thbridge.files.disk.whole import write_whole
+from thbridge.files.errors import BadFile, reason_of
+from ui.web.pool.messages import WorkerResult
+
+_GAME, _RESULT, _SOCKET = ".game", ".result", ".sock"
+_RESULTS = msgspec.json.Decoder(WorkerResult)
+_OTHERS = 0o077
+_DIGEST = 16
+_TRIES, _LOOK = 20, 0.02
+
+
+class WorkerAddress(msgspec.Struct, frozen=True):
+    """Address of a worker: path of its socket, its secret, and the number of its process."""
+
+    socket: str
+    token: str
+    process: int
+
+
+class RunningGames:
+    """Folder with the address of each running worker, and with results that no server has used yet.
+
+    A worker holds a lock on the file with its address. The system releases the lock when the worker ends for any
+    reason. So a file without a lock belongs to no worker.
+
+    Args:
+        folder: the folder. Only this account may have access to it.
+
+    Raises:
+        BadFile: the folder cannot be created, or other accounts have access to it.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        remedy = "Remove it, or set TMPDIR to a folder of your own"
+        for each in (folder.parent, folder):
+            try:
+                each.mkdir(mode=0o700, exist_ok=True)
+                found = each.lstat()
+            except OSError as error:
+                raise BadFile(each, f"running games cannot be kept here ({reason_of(error)})", remedy) from None
+            if found.st_uid != os.getuid() or found.st_mode & _OTHERS or not each.is_dir() or each.is_symlink():
+                raise BadFile(each, "other accounts have access to this folder of running games", remedy)
+
+    @classmethod
+    def of(cls, served: Path) -> "RunningGames":
+        """Return the running games of a server; `served` is the folder to which it records."""
+        # The folder is temporary, because the path of a socket must be short, and no worker survives a restart of the
+        # machine.
+        digest = hashlib.sha256(os.fsencode(served.resolve())).hexdigest()[:_DIGEST]
+        return cls(Path(tempfile.gettempdir(), f"thbridge-serve-{os.getuid()}", digest))
+
+    def lock_server(self, served: Path) -> IO[bytes]:
+        """Return an open file that locks the games against other servers; the system unlocks it when they are gone.
+
+        Raises:
+            BadFile: another server has locked them.
+        """
+        file = self._server_lock()
+        if not _locked(file, fcntl.LOCK_EX):
+            file.close()
+            remedy = "Name another folder, or end that server after its games with `thbridge serve --drain`"
+            raise BadFile(served, "another server serves this folder", remedy)
+        return file
+
+    def await_server(self) -> None:
+        """Wait until no server has locked the games."""
+        with self._server_lock() as file:
+            fcntl.flock(file.fileno(), fcntl.LOCK_SH)
+
+    def _server_lock(self) -> IO[bytes]:
+        return open(self.folder / "server.lock", "ab", opener=_for_owner)
+
+    def __iter__(self) -> Iterator[str]:
+        """Yield the keys of all running games."""
+        for path in sorted(self.folder.glob(f"*{_GAME}")):
+            if self.is_running(path.stem):
+                yield path.stem
+
+    def is_running(self, key: str) -> bool:
+        """Return True if a worker plays the game with this key."""
+        with suppress(FileNotFoundError), self._record(key).open("rb") as file:
+            return not _locked(file, fcntl.LOCK_SH)
+        return False
+
+    def address(self, key: str) -> WorkerAddress | None:
+        """Return the address of the game's worker; None if it has written none."""
+        with suppress(FileNotFoundError, msgspec.MsgspecError):
+            return msgspec.json.decode(self._record(key).read_bytes(), type=WorkerAddress)
+        return None
+
+    def claim(self, key: str) -> IO[bytes] | None:
+        """Return the locked file for the address of a game's worker; None if the game already has a worker."""
+        file = open(self._record(key), "ab", buffering=0, opener=_for_owner)  # noqa: SIM115 - it stays open
+        for _ in range(_TRIES):
+            if _locked(file, fcntl.LOCK_EX):
+                file.truncate(0)
+                return file
+            time.sleep(_LOOK)  # `is_running` also locks the file for a moment.
+        file.close()
+        return None
+
+    def socket(self, token: str) -> Path:
+        """Return the path of a worker's socket."""
+        return self.folder / f"{token[:12]}{_SOCKET}"
+
+    def result(self, key: str) -> WorkerResult | None:
+        """Return the result of an ended game; None if there is none, or if it is already used."""
+        with suppress(FileNotFoundError, msgspec.MsgspecError):
+            return _RESULTS.decode(self._result(key).read_bytes())
+        return None
+
+    def keep(self, key: str, result: WorkerResult) -> None:
+        """Keep the result of a game until `forget`."""
+        write_whole(self._result(key), msgspec.json.encode(result), mode=0o600)
+
+    def forget(self, key: str) -> None:
+        """Delete the result of a game, because it is in the log."""
+        self._result(key).unlink(missing_ok=True)
+
+    def tidy(self) -> None:
+        """Delete the files of workers that have died."""
+        living = {each.socket for key in self if (each := self.address(key)) is not None}
+        for path in self.folder.glob(f"*{_GAME}"):
+            if not self.is_running(path.stem):
+                path.unlink(missing_ok=True)
+        for path in self.folder.glob(f"*{_SOCKET}"):
+            if str(path) not in living:
+                path.unlink(missing_ok=True)
+
+    def _record(self, key: str) -> Path:
+        return self.folder / f"{key}{_GAME}"
+
+    def _result(self, key: str) -> Path:
+        return self.folder / f"{key}{_RESULT}"
+
+
+def _for_owner(path: str, flags: int) -> int:
+    return os.open(path, flags | os.O_NOFOLLOW, 0o600)
+
+
+def _locked(file: IO[bytes], how: int) -> bool:
+    """Lock a file; return False if a process has locked it."""
+    try:
+        fcntl.flock(file.fileno(), how | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True

@@ -1,0 +1,79 @@
+"""Sleeping copies of a worker, which share its memory. If the worker is killed, its latest copy continues the game."""
+
+import asyncio
+import fcntl
+import os
+import signal
+from collections.abc import Callable
+from contextlib import suppress
+from typing import IO
+
+_DROPPED = b"d"
+_DEFERRED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+"""Signals that a sleeping copy receives when it wakes. Python would pass them on to the process that is copied."""
+
+
+class SleepingCopies:
+    """Copies of this process, one at a time; see `thbridge.app.play.Checkpoints`.
+
+    A copy waits for the end of a pipe that only this process has open for writing.
+
+    Args:
+        record: file of the worker. A copy that wakes locks it, so that only one copy continues.
+        woke: called first in a copy that wakes.
+    """
+
+    def __init__(self, record: IO[bytes], woke: Callable[[], None]) -> None:
+        self._record = record
+        self._woke = woke
+        self._pulse: int | None = None
+        self._ended: list[int] = []
+        self._copy = 0
+
+    def take(self) -> bool:
+        """Make a copy of this process, and end the earlier copy; return True in a copy that wakes."""
+        loop = asyncio.get_running_loop()
+        alive, pulse = os.pipe()
+        signal.pthread_sigmask(signal.SIG_BLOCK, _DEFERRED)
+        wakeup = signal.set_wakeup_fd(-1)
+        copy = os.fork()
+        if copy == 0:
+            os.close(pulse)
+            if self._pulse is not None:
+                os.close(self._pulse)
+            self._sleep(alive)
+            # Python does not expect that a process and its copy use the same event loop one after the other.
+            asyncio._set_running_loop(loop)
+        signal.set_wakeup_fd(wakeup, warn_on_full_buffer=False)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _DEFERRED)
+        if copy == 0:
+            self._woke()
+            return True
+        os.close(alive)
+        self.drop()
+        self._pulse, self._copy = pulse, copy
+        return False
+
+    def drop(self) -> None:
+        """End the copy."""
+        if self._pulse is not None:
+            with suppress(BrokenPipeError):
+                os.write(self._pulse, _DROPPED)
+            os.close(self._pulse)
+            self._pulse = None
+            self._ended.append(self._copy)
+        # A copy needs a moment to end; the system keeps its entry until it is collected.
+        self._ended = [copy for copy in self._ended if os.waitpid(copy, os.WNOHANG) == (0, 0)]
+
+    def _sleep(self, alive: int) -> None:
+        """Wait until the process has died. If the copy is not needed, end it."""
+        is_dropped = os.read(alive, 1) == _DROPPED
+        os.close(alive)
+        try:
+            # This lock belongs to one process, unlike the lock that all copies of the worker share.
+            fcntl.lockf(self._record, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            is_dropped = True
+        if is_dropped:
+            os._exit(0)
+        self._pulse, self._ended = None, []
