@@ -166,7 +166,11 @@ class PooledGames:
             self._window.play(game)
             looking = asyncio.create_task(_look(watcher, game.leave))
             try:
-                return await game.ended()
+                ended = await game.ended()
+                # The last messages, for example that the person continues, reach the person's course first.
+                await asyncio.sleep(LOOK)
+                watcher.has_left()
+                return ended
             finally:
                 self._window.play(None)
                 looking.cancel()
