@@ -9,6 +9,7 @@ import os
 import signal
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
+from functools import partial
 from multiprocessing.context import ForkServerContext
 
 import msgspec
@@ -181,7 +182,7 @@ class WorkerPool:
         self._entered.add(key)
         try:
             if not self.games.is_running(key):
-                await asyncio.to_thread(self._run, work, request, self.games.folder, key)
+                await asyncio.to_thread(self._run, partial(work, request, self.games.folder, key))
             reader, writer = await self._connected(key)
             game = HostedGame(reader, writer, shown, news)
             yield game
@@ -225,8 +226,8 @@ class WorkerPool:
                     os.kill(address.process, signal.SIGKILL)
             await asyncio.sleep(LOOK)
 
-    def _run(self, program: Callable[..., None], *arguments: object) -> None:
-        process = self._context.Process(target=program, args=arguments)
+    def _run(self, program: Callable[[], None]) -> None:
+        process = self._context.Process(target=program)
         process.start()
         process.join()
 
