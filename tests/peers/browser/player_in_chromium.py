@@ -46,9 +46,12 @@ def main():
     browser = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
     size = {"width": int(width), "height": int(height), "deviceScaleFactor": 1, "mobile": how == "touch"}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-    browser.execute_cdp_cmd(
-        "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
-    )
+    preferred = {
+        "prefers-color-scheme": scheme,
+        "prefers-reduced-motion": "reduce" if how == "touch" else "no-preference",
+    }
+    features = [{"name": name, "value": value} for name, value in preferred.items()]
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
     if how == "touch":
         browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
     steps = {}

@@ -111,6 +111,17 @@ def floor_of(grid: OccupancyGrid, rooms: Sequence[MapRoom], names: RoomNames, st
     )
 
 
+def bare_floor(report: Report, study: Study) -> FloorShapes | None:
+    """Return an empty floor around the paths of the robots, for a recording without a map; None without any path."""
+    paths = [rows[:, 1:3] for track in report.tracks if (rows := _path(track)) is not None]
+    if not paths:
+        return None
+    places = np.concatenate(paths)
+    (left, bottom), (right, top) = (100.0 * np.array([places.min(axis=0) - 1.0, places.max(axis=0) + 1.0])).round()
+    box = (int(left), int(bottom), int(right), int(top))
+    return FloorShapes(box, (0, 0, 0), 1.0, "", "", (), _flat(study.world.footprint))
+
+
 def obstacles_of(report: Report) -> tuple[tuple[int, ...], ...]:
     """Return the corners of the obstacles that never moved, centimeters."""
     return tuple(_flat(thing.outline.tolist()) for thing in report.things if len(thing.path) == 1)
@@ -164,7 +175,7 @@ def _room_changes(moves: Moves) -> Iterator[RoomChange]:
 
 def _robot(track: Track, robot: int | None, moves: Moves, words: EventWords) -> PlayedRobot:
     own = [(at, event) for at, event in moves if robot is not None and getattr(event, "robot", None) == robot]
-    poses = next((rows for rows in (track.truth, track.estimate, track.odometry) if len(rows)), None)
+    poses = _path(track)
     error = np.column_stack((track.errors[:, :2], np.degrees(track.errors[:, 2])))
     band = np.column_stack((track.deviations[:, :2], np.degrees(track.deviations[:, 2])))
     band[:, 1:] *= SIGMAS
@@ -179,6 +190,11 @@ def _robot(track: Track, robot: int | None, moves: Moves, words: EventWords) -> 
         drives=drives,
         phases=tuple(_phases(own, words) if own else _phases_of_drives(track.attempts, words)),
     )
+
+
+def _path(track: Track) -> FloatArray | None:
+    """Return the poses at which the player shows a robot; None if the recording has none."""
+    return next((rows for rows in (track.truth, track.estimate, track.odometry) if len(rows)), None)
 
 
 def _poses(rows: FloatArray) -> PlayedCurve:

@@ -2,6 +2,7 @@
 
 import base64
 import hashlib
+import json
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -25,7 +26,7 @@ from ui.sources.rooms import rooms_of
 from ui.web.page.theme_css import THEME_CSS
 from ui.web.player.bundle import bundle
 from ui.web.player.content import PlayedGame, PlayedRecording
-from ui.web.player.gathering import GameContext, floor_of, obstacles_of, played_game
+from ui.web.player.gathering import GameContext, bare_floor, floor_of, obstacles_of, played_game
 
 _STATIC = Path(__file__).with_name("static")
 _MAP_CSS = Path(__file__).parents[1] / "static" / "map.css"
@@ -58,7 +59,8 @@ def build_player(
     texts = _texts(language, study)
     context = GameContext(study, texts)
     rooms = () if first.session is None else rooms_of(first.session, bag)
-    floor = None if first.grid is None else floor_of(first.grid, rooms, first.rooms, study or Study())
+    shown = study or Study()
+    floor = bare_floor(first, shown) if first.grid is None else floor_of(first.grid, rooms, first.rooms, shown)
     recording = PlayedRecording(
         language=texts.language,
         words=words_of(texts),
@@ -81,7 +83,9 @@ def page_of(recording: PlayedRecording, name: str, study: str) -> str:
     template = environment.from_string((_STATIC / "player.html").read_text(encoding="utf-8"))
     style = THEME_CSS + "".join(path.read_text(encoding="utf-8") for path in (_MAP_CSS, _STATIC / "player.css"))
     script = bundle(_STATIC / "player.js")
-    packed = base64.b64encode(zlib.compress(msgspec.json.encode(recording), 9)).decode("ascii")
+    # Not msgspec's encoder: it refuses lone surrogates, which recorded names may contain.
+    content = json.dumps(msgspec.to_builtins(recording), separators=(",", ":"))
+    packed = base64.b64encode(zlib.compress(content.encode("ascii"), 9)).decode("ascii")
     return template.render(
         language=recording.language,
         words=recording.words,

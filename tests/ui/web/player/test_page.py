@@ -2,6 +2,7 @@
 
 import base64
 import hashlib
+import json
 import re
 import zlib
 from dataclasses import replace
@@ -15,7 +16,9 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.support.bags.foreign_bags import Robot, write
 from tests.support.programs.commands import invoke
+from tests.support.project import ROOT
 from thbridge.analysis.report.builder import read_report
 from thbridge.analysis.report.report import Report
 from thbridge.app.session.broadcast import Broadcast
@@ -181,6 +184,38 @@ def test_a_foreign_bag_says_what_is_missing(tmp_path: Path) -> None:
     assert content.floor is None
     assert content.games[0].robots == ()
     assert any(sentence.startswith("No map:") for sentence in content.games[0].missing)
+
+
+def test_robots_of_a_bag_without_a_map_drive_on_an_empty_floor(tmp_path: Path) -> None:
+    path = tmp_path / "other.bag"
+    write(path, Robot(), 3.0)
+    content = content_of(build_player(path))
+    (robot,) = content.games[0].robots
+    assert robot.pose is not None
+    assert content.floor is not None
+    left, bottom, right, top = content.floor.box
+    for lowest, highest, values in ((left, right, robot.pose.values[0]), (bottom, top, robot.pose.values[1])):
+        places = 0.1 * np.cumsum(values)
+        assert lowest + 99.0 <= places.min()
+        assert places.max() <= highest - 99.0
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_every_recorded_event_has_its_words(language: str, report: Report) -> None:
+    lines = (ROOT / "tests" / "thbridge" / "hunt" / "recorded_events.jsonl").read_text().splitlines()
+    recorded = [json.loads(line) for line in lines]
+    events = [
+        (float(at), GameEvent(fields["event"].replace("-", ""), fields.get("robot"), fields.get("room"), line))
+        for at, (line, fields) in enumerate(zip(lines, recorded, strict=True))
+    ]
+    texts = shipped_texts(language)
+    game = played_game(replace(report, events=tuple(events), utterances=()), GameContext(None, texts), several=True)
+    shown = {entry.at for entry in game.entries if not entry.speaker}
+    silent = {"hidden", "agreed", "advised", "priced", "talk", "said", "key"}
+    assert shown == {float(at) for at, fields in enumerate(recorded) if fields["event"] not in silent}
+    assert not any("£" in entry.text for entry in game.entries)
+    # Names may contain lone surrogates.
+    assert page_of(PlayedRecording(language, words_of(texts), None, (), (game,)), "a.bag", "")
 
 
 def test_a_large_map_is_drawn_at_a_lower_resolution() -> None:

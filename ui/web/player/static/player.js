@@ -129,7 +129,7 @@ class Player {
         const phase = robot.phases.findLast((each) => each.at <= this.at);
         const left = this.energies[index]?.held(this.at)?.[0] ?? null;
         set(item, { style: `--robot: var(--robot${index % 10})` });
-        set(made, { "aria-pressed": this.followed === index ? "true" : "false", title: this.words.follow.replace("£robot£", robot.name) });
+        set(made, { "aria-pressed": this.followed === index ? "true" : "false", title: this.words.follow.replace("£robot£", () => robot.name) });
         set(chip, { text: String(index + 1), "aria-hidden": "true" });
         set(label, { text: robot.name });
         set(state, { text: phase?.text ?? "", "data-bad": phase?.trouble });
