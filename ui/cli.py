@@ -71,8 +71,8 @@ class _Commands(CommandGroup):
             {
                 "ui.commands.study.study:study_": "init check",
                 "ui.commands.study.edit:study_": "edit",
-                "ui.commands.study.experiment:study_": "new run rehearse power status watch preview freeze export "
-                "backup restore withdraw",
+                "ui.commands.study.experiment:study_": "new run codes rehearse power status watch preview freeze "
+                "export backup restore withdraw",
             },
         ),
         "templates": group(

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.design.recruiting import link_codes
 from thbridge.experiment.design.soundness import faults_of
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.freeze import fingerprint_of
@@ -46,6 +47,8 @@ def check_experiment(
         read_people(folder.people, design)
     with faults.kept():
         fingerprint_of(folder, versions)
+    with faults.kept():
+        link_codes(design.file.recruiting, folder.root)
     faults.raise_any()
     return design, tuple(found.found)
 

@@ -18,6 +18,7 @@ from thbridge.experiment.store.events import (
     Actor,
     Clocks,
     EventKind,
+    FrontEnd,
     JsonValue,
     LogEntry,
     LoggedEvent,
@@ -56,11 +57,18 @@ class Conductor:
         self.listeners: list[Callable[[LoggedEvent], None]] = []
         """Functions that receive each event after it was added to the log and to `progress`."""
 
-    def admit(self, external_id: str = "") -> Run | NoPlace:
+    def admit(
+        self,
+        external_id: str = "",
+        parameters: Mapping[str, str] | None = None,
+        front_end: FrontEnd | None = None,
+    ) -> Run | NoPlace:
         """Begin the run of the next person if a place is free; otherwise return the reason.
 
         Args:
-            external_id: the person's id at a recruiting service; may be empty.
+            external_id: code of the person's link, or the person's id at a recruiting service; may be empty.
+            parameters: parameters of the person's link; None if there are none.
+            front_end: program in which the person takes part; None for simulated people.
         """
         place = self.progress.next_place()
         if isinstance(place, NoPlace):
@@ -69,6 +77,10 @@ class Conductor:
         data: dict[str, JsonValue] = {"place": place.number, "cell": place.cell, "order": place.order}
         if external_id:
             data["external_id"] = external_id
+        if parameters:
+            data["parameters"] = dict(parameters)
+        if front_end is not None:
+            data["front_end"] = str(front_end)
         self._append(EventKind.RUN_BEGUN, "program", participant, data=data)
         return self.progress.runs[participant]
 
@@ -129,10 +141,28 @@ class Conductor:
         self._end(participant, step, outcome)
         return outcome
 
-    def leave(self, participant: str, reason: str, *, declined: bool = False, actor: Actor = "participant") -> None:
-        """End a run early because the person declined or left, or because the experimenter stopped the run."""
+    def leave(
+        self,
+        participant: str,
+        reason: str,
+        *,
+        declined: bool = False,
+        absent: bool = False,
+        actor: Actor = "participant",
+    ) -> None:
+        """End a run early.
+
+        Args:
+            participant: id of the person.
+            reason: reason for the log and for researchers.
+            declined: True if the person did not agree to take part.
+            absent: True if the person was absent for too long.
+            actor: cause of the end.
+        """
         outcome = RunState.DECLINED if declined else RunState.LEFT
         data: dict[str, JsonValue] = {"outcome": outcome, "reason": reason}
+        if absent:
+            data["absent"] = True
         self._append(EventKind.RUN_ENDED, actor, participant, data=data)
 
     def exclude(self, participant: str, reason: str) -> None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
+from thbridge.experiment.store.browser_tickets import BrowserTickets
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import LogEntry
 from thbridge.experiment.store.head import restore_remedy
@@ -88,6 +89,15 @@ class ExperimentFolder:
     def withdrawn_events(self) -> WithdrawnEvents:
         """The list of events that withdrawals deleted."""
         return WithdrawnEvents(self.root / STORE / "withdrawn.json")
+
+    @property
+    def tickets(self) -> BrowserTickets:
+        """The record of browsers and their participants.
+
+        Raises:
+            BadFile: the record is damaged.
+        """
+        return BrowserTickets(self.root / STORE / "browsers.json")
 
     @property
     def restoring(self) -> Path:

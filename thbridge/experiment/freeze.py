@@ -80,6 +80,8 @@ def fingerprint_of(folder: ExperimentFolder, versions: Mapping[str, str]) -> Fin
                 raise BadFile(path, f"the file cannot be read ({reason_of(error)})", remedy) from None
     with suppress(BadFile):  # Other code reports faults of the experiment.
         design = folder.read()
+        if (codes := design.file.recruiting.codes) is not None:
+            files.pop(codes.as_posix(), None)  # Codes are added while a study runs, and do not change its plan.
         studies = [study for cell in design.cells for study in cell.studies]
         plugins = {key: package for key in plugins_of(*studies) if (package := package_of(key)) is not None}
         return Fingerprint(files, {**versions, **plugins})

@@ -11,6 +11,7 @@ from pathlib import Path
 from thbridge.experiment.allocation.places import NoPlace, Place
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep, plan_of, repeated_from
+from thbridge.experiment.design.recruiting import Ending
 from thbridge.experiment.design.steps import Failed, ResumeRule, StepKind
 from thbridge.experiment.questionnaires.form import Item
 from thbridge.experiment.store.events import (
@@ -48,6 +49,10 @@ class Run:
         agrees: True if the person gave consent in the current step, False if they declined, None before the answer.
         last_outcome: outcome of the last finished step, or None.
         code: completion code; empty until the run is complete.
+        external_id: code of the person's link, or the person's id at a recruiting service; empty if there is none.
+        parameters: parameters of the person's link.
+        front_end: program in which the person takes part; empty for simulated people and in logs of earlier releases.
+        absent: True if the run ended because the person was absent for too long.
         recruiting_code: code of a recruiting service that the person entered, or None before the answer.
         agreed_at: wall time at which the person agreed to take part; empty before the consent.
         farewell_read: True after the person has closed the last page.
@@ -77,6 +82,10 @@ class Run:
     agrees: bool | None = None
     last_outcome: StepOutcome | None = None
     code: str = ""
+    external_id: str = ""
+    parameters: Mapping[str, str] = field(default_factory=dict)
+    front_end: str = ""
+    absent: bool = False
     recruiting_code: str | None = None
     agreed_at: str = ""
     farewell_read: bool = False
@@ -103,6 +112,21 @@ class Run:
         """True if the person has agreed to take part, or if no step asks for consent."""
         asked = next((step for step in self.plan if step.entry.step is StepKind.CONSENT), None)
         return asked is None or bool(self.agreed_at) or self.step > asked.number
+
+    @property
+    def ending(self) -> Ending | None:
+        """Ending of the run, or None before the end. A code proves that the person completed the study."""
+        match self.state:
+            case RunState.UNDER_WAY:
+                return None
+            case _ if self.code:
+                return Ending.COMPLETE
+            case RunState.DECLINED:
+                return Ending.DECLINED
+            case RunState.EXCLUDED if self.last_outcome is StepOutcome.FAILED:
+                return Ending.FAILED_CHECK
+            case _:
+                return Ending.TIMED_OUT if self.absent else Ending.ENDED_EARLY
 
     @property
     def holds_place(self) -> bool:
@@ -156,6 +180,10 @@ class Progress:
     def under_way(self) -> frozenset[int]:
         """Numbers of the places of unfinished runs. These runs may count later."""
         return frozenset(run.place.number for run in self.runs.values() if run.state is RunState.UNDER_WAY)
+
+    def run_of(self, external_id: str) -> Run | None:
+        """Return the run of the person with this code or id at a recruiting service, if there is one."""
+        return next((run for run in self.runs.values() if external_id and run.external_id == external_id), None)
 
     def next_place(self) -> Place | NoPlace:
         """Return the place for the next person."""
@@ -232,7 +260,14 @@ class Progress:
             place = self.design.allocation.place(number)
             if (data.get("cell", place.cell), data.get("order", place.order)) != (place.cell, place.order):
                 raise _CannotFollowError(f"place {number} had other conditions, or another order of conditions")
-            runs[person] = Run(person, place, plan_of(self.design, place))
+            runs[person] = Run(
+                person,
+                place,
+                plan_of(self.design, place),
+                external_id=str(data.get("external_id", "")),
+                parameters=_texts(data.get("parameters")),
+                front_end=str(data.get("front_end", "")),
+            )
             return
         run = runs.get(person)
         if run is None:
@@ -301,7 +336,8 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
             state, reason = RunState(str(data["outcome"])), str(data.get("reason", ""))
             if "excluded" in data:
                 state, reason = RunState.EXCLUDED, str(data["excluded"])
-            return dataclasses.replace(run, state=state, reason=reason, code=str(data.get("code", "")))
+            code, absent = str(data.get("code", "")), data.get("absent") is True
+            return dataclasses.replace(run, state=state, reason=reason, code=code, absent=absent)
         case EventKind.RECORDING_CUT_OFF | EventKind.GAME_BROKEN_OFF:
             return dataclasses.replace(run, cut_off=run.cut_off | {str(data["bag"])})
         case EventKind.RECRUITING_CODE:
@@ -311,6 +347,10 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
             return dataclasses.replace(run, agreed_at=agreed_at, agrees=bool(data["agrees"]))
         case _:
             return run
+
+
+def _texts(data: JsonValue) -> dict[str, str]:
+    return {name: str(value) for name, value in data.items()} if isinstance(data, dict) else {}
 
 
 def _emptied(run: Run) -> Run:

@@ -169,6 +169,7 @@ def finish_withdrawal(
     if sequences := sequences_of(known, participant):
         log.delete(sequences, clocks())
     study.withdrawn_events.add(deleted_digests(study.log))
+    study.tickets.forget(participant)
     result.done.append(f"{study.log}: all events of {participant} were deleted.")
     entries = log.read()
     result.left += _named_elsewhere(entries, participant)

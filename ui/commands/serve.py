@@ -113,6 +113,7 @@ def serve(
 def _serve_folder(folder: Path, options: "Callable[[Study], ServerOptions]") -> None:
     from thbridge.experiment.check import read_for_people
     from thbridge.experiment.conductor import Conductor
+    from thbridge.experiment.design.recruiting import link_codes
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.sockets.markers import MarkerStream
     from thbridge.experiment.store.event_log import ExperimentLog
@@ -128,6 +129,7 @@ def _serve_folder(folder: Path, options: "Callable[[Study], ServerOptions]") -> 
     with bad_input():
         place, clock = ExperimentFolder(folder), VisitClock()
         design = read_for_people(place)
+        codes = link_codes(design.file.recruiting, place.root)
     chosen = options(design.study)
     compile_ahead(whole_hunt=True)
     keep_running()
@@ -139,7 +141,7 @@ def _serve_folder(folder: Path, options: "Callable[[Study], ServerOptions]") -> 
         conductor.listeners.append(markers.push)
         for trouble in markers.troubles:
             note(trouble)
-        run(serve_study(place, design, conductor, clock, note, chosen))
+        run(serve_study(place, design, conductor, clock, note, chosen, codes))
 
 
 def _listen(host: str, port: int) -> socket.socket:

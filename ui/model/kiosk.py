@@ -44,6 +44,8 @@ class TextToRead(msgspec.Struct, frozen=True, tag=True):
             is no button, and the page stays until the host sends another page.
         markdown: True if the text is Markdown.
         code: completion code for the person to write down; empty if there is none.
+        ending: address of a recruiting service to which the person may go, or a completion code for it; empty if there
+            is none. The kiosk's window does not show it, because people from recruiting services come in browsers.
         `anew`: True if another person begins; the settings of the previous person (size of text, sound) are reset.
         progress: position in the person's run.
     """
@@ -54,6 +56,7 @@ class TextToRead(msgspec.Struct, frozen=True, tag=True):
     button: str | None = None
     markdown: bool = False
     code: str = ""
+    ending: str = ""
     anew: bool = False
     progress: StudyProgress = StudyProgress()
 

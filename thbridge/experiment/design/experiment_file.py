@@ -12,6 +12,8 @@ from thbridge.batch.settings import SettingCache
 from thbridge.experiment.allocation.latin_square import Order, balanced_latin_square, cyclic_latin_square
 from thbridge.experiment.allocation.places import Allocation
 from thbridge.experiment.design.practice import practice_problems, practice_studies, without_bases
+from thbridge.experiment.design.presence import PresenceSection
+from thbridge.experiment.design.recruiting import RecruitingSection, recruiting_problems
 from thbridge.experiment.design.steps import StepEntry, StepKind
 from thbridge.experiment.questionnaires.form import SHIPPED, Form, read_form, shipped_form
 from thbridge.files.disk.inside import fault_of_name
@@ -62,15 +64,6 @@ class WhoBegins(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class RecruitingSection:
-    """Question for people from a recruiting service."""
-
-    ask: str = param(
-        "", "question for people's code from the recruiting service, before the first step; if empty, no question"
-    )
-
-
-@dataclass(frozen=True, slots=True)
 class ExperimentFile:
     """Contents of the file of an experiment."""
 
@@ -103,7 +96,8 @@ class ExperimentFile:
         LARGEST_SEED,
     )
     begins: WhoBegins = param(WhoBegins.PARTICIPANT, "who starts the run of the next person")
-    recruiting: RecruitingSection = param(RecruitingSection(), "question for people from a recruiting service")
+    recruiting: RecruitingSection = param(RecruitingSection(), "how people enter from a recruiting service")
+    presence: PresenceSection = param(PresenceSection(), "presence of people who take part in a browser")
     recruitment: str = param("", "sentence for the methods text: how people were recruited and paid")
     ethics: str = param(
         "", "sentence for the methods text: approval by an ethics committee, with the committee's name and the number"
@@ -390,6 +384,8 @@ def _problems(loaded: Loaded[ExperimentFile], conditions: int) -> Iterator[BadFi
     if len(file.title) > LONGEST_TITLE or visible(file.title) != file.title:
         problem = f"a title must be one line of at most {LONGEST_TITLE} characters"
         yield loaded.fault("title", problem, "Shorten the title: exports use it in file names and headings")
+    for problem_of_recruiting in recruiting_problems(file.recruiting):
+        yield loaded.fault(*problem_of_recruiting)
     if not file.steps:
         yield loaded.fault("steps", "the study has no steps", "Write at least one line '- {step: trial}'")
     trials = [entry.each_condition for entry in file.steps if entry.step is StepKind.TRIAL]

@@ -29,13 +29,13 @@ answered appropriate attempt attention attention_checks attention_passed attenti
 began_s booked calibration cause cell challenges changes choice collisions concurrent_activity condition confidence
 consent_sha256 content counts crashed data debriefed decided_by decision decision_s decision_wall_s dialogues
 disagreed duration_s end ended ended_s energy_left energy_spent error_rate error_rate_set fan_out finished
-first_choice functional_delay game game_number game_s gave_in hesitation_s human_idle identified idle interaction_s
-item items keyed kind late_share locution lsl_s matter misheard monotonic_ns most_lag_s moves moves_failed name
-neglect_s not_applicable opener options options_shown order outcome over parent participant pasted place points
-read_again reason recording refused_when_wrong repeated replied_s reply_s reply_wall_s resumed right robot robot_idle
-rooms_reached rooms_visited scale score seed seen_s sequence sha256 shown_s shown_wall_s sim_seconds simulated_s
-speaker stands state step subscale switched taken_when_right talk text time_s timed_out topic trial trust under_way_s
-value waiting_s wall wall_seconds words
+first_choice front_end functional_delay game game_number game_s gave_in hesitation_s human_idle identified idle
+interaction_s item items keyed kind late_share locution lsl_s matter misheard monotonic_ns most_lag_s moves
+moves_failed name neglect_s not_applicable opener options options_shown order outcome over parent participant pasted
+place points read_again reason recording refused_when_wrong repeated replied_s reply_s reply_wall_s resumed right
+robot robot_idle rooms_reached rooms_visited scale score seed seen_s sequence sha256 shown_s shown_wall_s sim_seconds
+simulated_s speaker stands state step subscale switched taken_when_right talk text time_s timed_out topic trial trust
+under_way_s value waiting_s wall wall_seconds words
 """
 TAKEN_COLUMNS = frozenset(_COLUMNS.split())
 """Names of columns of exported tables. A factor with one of these names would overwrite the column."""

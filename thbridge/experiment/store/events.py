@@ -82,11 +82,20 @@ class Tombstone:
 LogEntry = LoggedEvent | Tombstone
 
 
+class FrontEnd(StrEnum):
+    """Program in which a person takes part."""
+
+    WINDOW = "window"
+    """The window of the kiosk."""
+    BROWSER = "browser"
+
+
 class EventKind(StrEnum):
     """Kinds of events, with the keys of their data. A log may have further kinds."""
 
     RUN_BEGUN = "run-begun"
-    """Data: `place`."""
+    """Data: `place`; `front_end`: a `FrontEnd`; for people with a link also `external_id`: the code or the first
+    parameter of the link, and `parameters`: all kept parameters of the link."""
     STEP_BEGUN = "step-begun"
     STEP_RESUMED = "step-resumed"
     """A program resumed a step that another program had begun. Data: `from`: a `ResumeRule`."""
@@ -123,6 +132,17 @@ class EventKind(StrEnum):
     """A participant opened the instructions again. In a game, they include rules and keys."""
     INSTRUCTIONS_CLOSED = "instructions-closed"
     """A participant closed the instructions."""
+    CONNECTION_MEASURED = "connection-measured"
+    """State of the connection to a browser. Data: `round_trip_ms`: last measured time from the server to the browser
+    and back; `greatest_round_trip_ms`: largest value since the last event of this kind."""
+    ABSENT = "absent"
+    """A person in a browser is absent. Data: `seconds`: duration of the absence so far; `connected`: true if the page
+    is connected and hidden, false without a connection; `round_trip_ms`."""
+    PRESENT = "present"
+    """An absent person is present again. Data: `seconds`: duration of the absence; `round_trip_ms`."""
+    ACTED = "acted"
+    """A person acted in a game in a browser. Data: `act`: kind of the act; `view_age_ms`: time from the moment at which
+    the server sent the page on which the person acted to the arrival of the act."""
     GAME_BROKEN_OFF = "game-broken-off"
     """A game was abandoned after a crash of its program, and another game starts instead. Data: `bag`: the incomplete
     recording in the person's folder, or null."""
@@ -133,7 +153,7 @@ class EventKind(StrEnum):
     """A person has closed the last page, which shows the completion code or the reason why the run ended."""
     RUN_ENDED = "run-ended"
     """Data: `outcome`, `reason`. For a complete run, also `code`: the completion code. For a complete run that does not
-    count, also `excluded`: the reason."""
+    count, also `excluded`: the reason. For a person who was absent for too long, also `absent`: true."""
     RUN_EXCLUDED = "run-excluded"
     """The experimenter excluded a run. Data: `reason`."""
     REHEARSED = "rehearsed"

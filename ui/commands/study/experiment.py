@@ -147,6 +147,30 @@ def study_run(
     run_study(folder, look.value, windowed=windowed, desk=desk)
 
 
+def study_codes(
+    folder: FolderOfExperiment,
+    number: Annotated[int, typer.Option(help="Number of codes to create.", min=1, max=100_000)] = 1,
+    address: Annotated[
+        str, typer.Option(help="Address of `thbridge serve`, as participants reach it.", metavar="URL")
+    ] = "http://127.0.0.1:8080/",
+) -> None:
+    """Create codes for participants in browsers, add them to the study's file of codes, and print a link for each."""
+    from thbridge.experiment.design.recruiting import add_codes, link_with
+    from thbridge.experiment.folder import ExperimentFolder
+
+    if not address.startswith(("http://", "https://")):
+        fail(BAD_INPUT, f"--address: {address} is not an address. Write an address that begins with https://.")
+    with bad_input():
+        design = ExperimentFolder(folder).read()
+        name = design.file.recruiting.codes
+        if name is None:
+            remedy = "Write recruiting: {codes: codes.txt}"
+            raise design.fault("recruiting.codes", "the study has no file for codes, so anyone can enter", remedy)
+        for code in add_codes(folder / name, number):
+            say(link_with(address, code))
+    note(f"Added codes to {folder / name}: {number}. If `thbridge serve` is running, stop it and start it again.")
+
+
 def study_preview(
     folder: FolderOfExperiment,
     step: Annotated[

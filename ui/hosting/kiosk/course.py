@@ -8,6 +8,7 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep
+from thbridge.experiment.design.recruiting import ending_of
 from thbridge.experiment.design.steps import ResumeRule, StepKind
 from thbridge.experiment.progress import Run, resumes
 from thbridge.experiment.store.events import Actor, EventKind, StepOutcome
@@ -85,12 +86,16 @@ class StudyCourse:
     async def part(self, participant: str) -> None:
         """Show the last pages, and record that the person has left."""
         await self._debrief()
-        heading, text = words.farewell(self._texts, self._conductor.progress.runs[participant])
-        code = self._conductor.progress.runs[participant].code
-        await self._read_last(TextToRead(0, heading, text, self._texts.text("kiosk.finish"), code=code))
+        run = self._conductor.progress.runs[participant]
+        finish, ending = self._texts.text("kiosk.finish"), self.ending(run)
+        await self._read_last(TextToRead(0, *words.farewell(self._texts, run), finish, code=run.code, ending=ending))
         by: Actor = "experimenter" if self._pages.admits else "participant"
         self._pages.person = ""
         self._conductor.tell_of_run(EventKind.FAREWELL_READ, participant, {}, by)
+
+    def ending(self, run: Run) -> str:
+        """Return the address or the completion code of the recruiting service for an ended run; may be empty."""
+        return "" if run.ending is None else ending_of(self._design.file.recruiting, run.ending, run.parameters)
 
     async def _debrief(self) -> None:
         """Show the debriefing to a person who left or was excluded."""
@@ -116,7 +121,8 @@ class StudyCourse:
 
     async def _ask_recruiting_code(self, *, again: bool) -> None:
         ask = self._design.file.recruiting.ask
-        if not ask or self._pages.run.recruiting_code is not None:
+        run = self._pages.run
+        if not ask or run.recruiting_code is not None or run.external_id:
             return
         asked = FormItem("code", ask, "text", one_line=True)
         instructions = self._texts.text("kiosk.code_not_kept") if again else ""

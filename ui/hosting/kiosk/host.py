@@ -11,7 +11,7 @@ from thbridge.app.compose.setting import texts_of
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor, unfinished
 from thbridge.experiment.design.experiment_file import ExperimentDesign, WhoBegins
-from thbridge.experiment.store.events import RunState
+from thbridge.experiment.store.events import FrontEnd, RunState
 from thbridge.files.errors import BadFile
 from thbridge.roles.shared.notices import GameTexts
 from ui.hosting.kiosk import words
@@ -147,5 +147,5 @@ class KioskHost:
             while not (self._pages.admits or isinstance(message, WentOn | BeginNext | Woken)):
                 message = await self._pages.next()
             begins, self._pages.admits = self._pages.admits or not isinstance(message, Woken), False
-            if begins and not isinstance(admitted := self._conductor.admit(), NoPlace):
+            if begins and not isinstance(admitted := self._conductor.admit(front_end=FrontEnd.WINDOW), NoPlace):
                 return admitted.participant

@@ -124,11 +124,13 @@ def results(texts: Texts, games: Sequence[tuple[int, int | None]]) -> str:
 
 def before_debriefing(texts: Texts, run: Run) -> tuple[str, str]:
     """Return the heading and text of the page before the debriefing, for a person whose run ended early."""
-    heading = texts.text("kiosk.thank_you" if run.state is RunState.LEFT else "kiosk.ends_here")
+    heading = texts.text("kiosk.thank_you" if run.state is RunState.LEFT and not run.absent else "kiosk.ends_here")
     return heading, f"{_ended_early(texts, run)} {texts.text('kiosk.debrief_comes')}"
 
 
 def _ended_early(texts: Texts, run: Run) -> str:
+    if run.absent:
+        return texts.text("kiosk.was_absent")
     if run.state is RunState.LEFT:
         return texts.text("kiosk.you_stopped")
     failed = run.last_outcome is StepOutcome.FAILED
@@ -145,7 +147,7 @@ def farewell(texts: Texts, run: Run) -> tuple[str, str]:
             return thanks, texts.text("kiosk.completed")
         case RunState.DECLINED:
             return thanks, f"{texts.text('kiosk.declined')} {call}\n\n{kept}"
-        case RunState.LEFT:
+        case RunState.LEFT if not run.absent:
             return thanks, f"{_ended_early(texts, run)} {texts.text('kiosk.nothing_more')} {call}\n\n{kept}"
         case _:
             return texts.text("kiosk.ends_here"), f"{_ended_early(texts, run)} {call}\n\n{kept}"

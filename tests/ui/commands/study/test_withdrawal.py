@@ -77,6 +77,9 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
     others = [rows(export, gone) for export in (inside, outside)]
     # Left by a withdrawal that was killed while it wrote this list.
     (study / "store" / ".withdrawal.json.0badcafe.part").write_text(gone)
+    first, *_ = people(study)
+    for participant in (first, gone):
+        ExperimentFolder(study).tickets.keep(f"secret of {participant}", participant)
 
     said = " ".join(output_of("study", "withdraw", study, gone, "--yes").split())
 
@@ -89,6 +92,7 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
         for name, table in after.items():
             pd.testing.assert_frame_equal(table, before[name])
         assert f"{export}: this export was written again, without {gone}" in said
+    assert ExperimentFolder(study).tickets.participant(f"secret of {first}") == first
     assert (outside / "analysis.py").read_text() == "# mine\n"
     assert f"{outside / 'mine.txt'} does not belong to the export" in said
     assert f"{backup}: this backup was updated and has" in said

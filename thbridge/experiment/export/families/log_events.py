@@ -17,7 +17,7 @@ from thbridge.experiment.export.families.described import (
 from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.events import LoggedEvent, RunState
 
-LEFT_OUT = frozenset({"external_id", "code"})
+LEFT_OUT = frozenset({"external_id", "code", "parameters"})
 """Names of event data that are never exported, because they could identify people."""
 
 
@@ -86,7 +86,7 @@ def log_events(progress: Progress, events: Sequence[LoggedEvent]) -> ExperimentT
             ),
             text(
                 "data",
-                f"further data as JSON; {' and '.join(sorted(LEFT_OUT))} are never exported",
+                f"further data as JSON; {', '.join(sorted(LEFT_OUT))} are never exported",
                 lambda row: json.dumps(
                     {name: value for name, value in (row.entry.event.data or {}).items() if name not in LEFT_OUT},
                     ensure_ascii=False,

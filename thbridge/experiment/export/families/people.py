@@ -79,6 +79,12 @@ def participants(
                 lambda row: str(row.run.state),
             ),
             text("reason", "reason why the person left or was excluded", lambda row: row.run.reason or None),
+            text(
+                "front_end",
+                "program in which the person took part: window (of the kiosk) or browser; empty for simulated people "
+                "and in logs of earlier releases",
+                lambda row: row.run.front_end or None,
+            ),
             count("place", "number of the place, from 0", lambda row: row.run.place.number),
             text(
                 "cell",

@@ -7,6 +7,7 @@ from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.export.methods.markdown import paragraph, table
 from thbridge.experiment.export.methods.settings import same_in_all, settings_that_differ
 from thbridge.experiment.export.tables import ExperimentRecords
+from thbridge.experiment.store.events import FrontEnd
 
 
 def materials_section(records: ExperimentRecords, versions: Mapping[str, str], people: str) -> Iterator[str]:
@@ -25,7 +26,7 @@ def materials_section(records: ExperimentRecords, versions: Mapping[str, str], p
         yield from paragraph("[A picture of the participant's window.]")
     software = f"thbridge {versions.get('thbridge', '[version]')} with Python {versions.get('python', '[version]')}"
     language = f"The language of the program's own texts was {same_in_all(design, 'dialogue.language')}."
-    shown = "No window was shown." if records.is_rehearsal else "All pages and games were shown in one window."
+    shown = "No window was shown." if records.is_rehearsal else _front_ends(records)
     yield from paragraph(
         f"The study ran on {software}. The robots and their surroundings were simulated. {shown} {language}",
         "[Computer, operating system, screen size and resolution, mouse or other input, sound, room, number of "
@@ -35,6 +36,19 @@ def materials_section(records: ExperimentRecords, versions: Mapping[str, str], p
     yield from table("Settings of the games that differ from the defaults", ("Key", "Default", "Here"), differ)
     if not differ:
         yield from paragraph("All settings of the games were the defaults of this release.")
+
+
+def _front_ends(records: ExperimentRecords) -> str:
+    """Return a sentence about the programs in which people took part."""
+    browsers = sum(run.front_end == FrontEnd.BROWSER for run in records.runs)
+    if not browsers:
+        return "All pages and games were shown in one window."
+    if browsers == len(records.runs):
+        return "Participants took part in a browser on their own devices; a server ran the study and the games."
+    return (
+        f"{browsers} of {len(records.runs)} participants took part in a browser; the others saw all pages and games in "
+        "one window."
+    )
 
 
 def _task(design: ExperimentDesign) -> Iterator[str]:

@@ -10,7 +10,7 @@ from thbridge.files.disk.whole import write_whole
 _REMEDY = "Move it away; people who are in the study then begin again"
 
 
-class Tickets:
+class BrowserTickets:
     """Record in a file; it contains digests of the browsers' secrets, so that it lets no one enter.
 
     Args:
@@ -30,7 +30,18 @@ class Tickets:
 
     def keep(self, secret: str, participant: str) -> None:
         """Record that this secret belongs to a participant."""
-        self._participants[_digest(secret)] = participant
+        if self.participant(secret) != participant:
+            self._participants[_digest(secret)] = participant
+            self._write()
+
+    def forget(self, participant: str) -> None:
+        """Delete all entries of a participant."""
+        kept = {digest: other for digest, other in self._participants.items() if other != participant}
+        if len(kept) < len(self._participants):
+            self._participants = kept
+            self._write()
+
+    def _write(self) -> None:
         write_whole(self._path, json.dumps(self._participants, indent=1).encode())
 
 
