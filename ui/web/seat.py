@@ -38,10 +38,11 @@ next page then contains the latest state, and the states between are never sent.
 
 @dataclass(slots=True)
 class _SentPage:
-    """Page that was sent, until the browser has painted a later one."""
+    """Page that was sent at a time of the seat's clock, until the browser has painted a later one."""
 
     composed: ComposedScreen | None
     acting: bool
+    at: float
 
 
 @dataclass(slots=True)
@@ -74,6 +75,8 @@ class GameSeat:
         practice: True for the practice game.
         once: True if only one game is played, and another part of a study follows.
         agreed_at: time at which the person gave consent; empty if they were not asked.
+        acted: function that receives the kind of each act, and the age of the page on which the person acted, in
+            milliseconds.
         clock: monotonic clock, seconds.
 
     Attributes:
@@ -91,10 +94,12 @@ class GameSeat:
         practice: bool = False,
         once: bool = True,
         agreed_at: str = "",
+        acted: Callable[[str, float], None] = lambda _act, _view_age: None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._clock = clock
         self._practice = practice
+        self._acted = acted
         self._model = Participant(texts=texts, once=once)
         self._events: list[ReceivedEvent] = []
         consent = GiveConsent(agreed_at) if agreed_at else None
@@ -186,7 +191,7 @@ class GameSeat:
             return
         self._number += 1
         stream.page = page
-        stream.unseen[self._number] = _SentPage(self._model.composed, self._acting)
+        stream.unseen[self._number] = _SentPage(self._model.composed, self._acting, now)
         self._acting = False
         stream.send({"t": "page", "n": self._number, "p": difference})
 
@@ -211,6 +216,7 @@ class GameSeat:
         sent = self._sent(stream, number)
         if sent is None or sent.composed is None or not stream.guard.admits(act, at, on_map=on_map):
             return
+        self._acted(type(act).__name__, (self._clock() - sent.at) * 1000.0)
         match act:
             case DeclineConsentAct():
                 self.declined = self._connection.declined = True

@@ -19,9 +19,11 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from thbridge.dialogue.wording.texts import Texts
+from ui.web.gateway.entry import EntryRefused, LinkFault
 from ui.web.gateway.limits import ClientLimits, network_of
-from ui.web.gateway.people import Visitor, Visitors
+from ui.web.gateway.people import Tab, Visitor, Visitors
 from ui.web.page.theme_css import THEME_CSS
+from ui.web.seat import encoded
 
 STATIC = Path(__file__).parents[1] / "static"
 COOKIE = "thbridge"
@@ -42,21 +44,41 @@ UNKNOWN, TOO_OFTEN, MALFORMED, BUSY = 4403, 4429, 1008, 1013
 message; too many visitors."""
 STUDY_MESSAGE = 3.0
 """Cost of a message about a page of a study, whose event is written to the disk; a message about a game costs 1."""
+TAKE_OVER = '{"t":"take over"}'
+"""Message of a tab in which the person wants to continue."""
+OTHER_TAB_DELAY = 1.0
+"""Seconds until a tab is informed that another one is live."""
 _SECRET = re.compile(r"[\w-]{32}", re.ASCII)
+_TAB = re.compile(r"[0-9a-f]{16}")
+_PLACEHOLDER = re.compile(r"\{\{([\w.]+)\}\}")
 
 
 def application(visitors: Visitors, texts: Texts, limits: ClientLimits) -> Starlette:
     """Return the application for these visitors, with texts for the page before it is connected."""
-    index = (STATIC / "index.html").read_text(encoding="utf-8").replace("{{language}}", texts.language)
-    for key in ("window.title", "pages.one_moment", "web.needs_newer", "web.needs_script", "web.needs_cookies"):
-        index = index.replace(f"{{{{{key}}}}}", escape(texts.text(key)))
+    index = _filled("index.html", texts, {})
+    notices = {
+        fault: _filled(
+            "notice.html", texts, {"heading": texts.text(f"web.{fault}"), "text": texts.text(f"web.{fault}_text")}
+        )
+        for fault in LinkFault
+    }
+    too_many = texts.text("web.too_many")
 
     async def page(request: Request) -> Response:
+        secret, address = request.cookies.get(COOKIE, ""), _address(request)
+        if limits.failures.delay(address):
+            limits.refusals.warn(f"{address} has tried too many links; it gets no page for some seconds.")
+            return _guarded(PlainTextResponse(too_many, 429, {"Retry-After": "10"}))
+        try:
+            secret = visitors.expect(secret if _SECRET.fullmatch(secret) else "", request.query_params)
+        except EntryRefused as refused:
+            if refused.fault is LinkFault.UNKNOWN:
+                limits.failures.take(address)
+            return _guarded(HTMLResponse(notices[refused.fault], 403))
         response = HTMLResponse(index)
-        secret = request.cookies.get(COOKIE, "")
-        secret = visitors.expect(secret if _SECRET.fullmatch(secret) else "")
         secure = request.url.scheme == "https"
-        response.set_cookie(COOKIE, secret, httponly=True, samesite="strict", secure=secure, path="/")
+        # Lax, because people come by a link from another site, also when they come back.
+        response.set_cookie(COOKIE, secret, httponly=True, samesite="lax", secure=secure, path="/")
         return _guarded(response)
 
     async def theme(_request: Request) -> Response:
@@ -85,7 +107,7 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits) -> Starl
             WebSocketRoute("/socket", socket),
             Mount("/static", StaticFiles(directory=STATIC)),
         ],
-        middleware=[Middleware(_LimitedRequests, limits=limits, refusal=texts.text("web.too_many"))],
+        middleware=[Middleware(_LimitedRequests, limits=limits, refusal=too_many)],
     )
 
 
@@ -109,6 +131,13 @@ class _LimitedRequests:
 def _address(connection: HTTPConnection) -> str:
     """Return the address of a client, or its network; see `network_of`."""
     return "" if connection.client is None else network_of(connection.client.host)
+
+
+def _filled(name: str, texts: Texts, given: dict[str, str]) -> str:
+    """Return a page of the static files with its words: those in `given`, otherwise texts of the study's language."""
+    page = (STATIC / name).read_text(encoding="utf-8")
+    words = {"language": texts.language, **given}
+    return _PLACEHOLDER.sub(lambda found: escape(words.get(found[1]) or texts.text(found[1])), page)
 
 
 def _guarded(response: Response) -> Response:
@@ -136,7 +165,7 @@ _PONG = msgspec.json.Decoder(_Ping)
 
 
 async def _serve(websocket: WebSocket, visitor: Visitor, limits: ClientLimits) -> None:
-    """Serve one socket; the browser that had the visitor's live socket before is informed."""
+    """Serve one socket, which is that of the visitor's live tab or of another tab."""
     waiting: asyncio.Queue[str | None] = asyncio.Queue(QUEUE)
 
     def send(text: str) -> None:
@@ -148,23 +177,26 @@ async def _serve(websocket: WebSocket, visitor: Visitor, limits: ClientLimits) -
         else:
             waiting.put_nowait(text)
 
-    def give_way() -> None:
-        send('{"t":"taken over"}')
-        send_end()
-
-    def send_end() -> None:
+    def close() -> None:
         with suppress(asyncio.QueueFull):
             waiting.put_nowait(None)
 
-    if visitor.take_over is not None:
-        visitor.take_over()
-    visitor.take_over = give_way
-    visitor.window.connect(send)
+    def inform() -> None:
+        # When a page is loaded again, the earlier connection may close a moment after the new one is open.
+        asyncio.get_running_loop().call_later(OTHER_TAB_DELAY, inform_now)
+
+    def inform_now() -> None:
+        if tab in visitor.others:
+            send(encoded(visitor.window.elsewhere()))
+
+    name = websocket.query_params.get("tab", "")
+    tab = Tab(name if _TAB.fullmatch(name) else "", send, inform, close)
+    visitor.connect(tab)
     sending = asyncio.create_task(_send(websocket, waiting))
     beating = asyncio.create_task(_beat(send))
     closing = (1000, "")
     try:
-        await _receive(websocket, visitor, limits, lambda: visitor.take_over is give_way)
+        await _receive(websocket, visitor, tab, limits)
     except (WebSocketDisconnect, TimeoutError, RuntimeError):
         pass
     except (msgspec.MsgspecError, RecursionError, UnicodeError, KeyError):
@@ -173,9 +205,7 @@ async def _serve(websocket: WebSocket, visitor: Visitor, limits: ClientLimits) -
     finally:
         beating.cancel()
         sending.cancel()
-        if visitor.take_over is give_way:
-            visitor.take_over = None
-            visitor.window.disconnect()
+        visitor.disconnect(tab)
         with suppress(RuntimeError, WebSocketDisconnect):
             await websocket.close(*closing)
 
@@ -192,21 +222,22 @@ async def _beat(send: Callable[[str], None]) -> None:
         await asyncio.sleep(PING_PERIOD)
 
 
-async def _receive(websocket: WebSocket, visitor: Visitor, limits: ClientLimits, is_live: Callable[[], bool]) -> None:
-    """Pass on the messages of a browser, at most at the rate of the limits, while its socket is the live one."""
+async def _receive(websocket: WebSocket, visitor: Visitor, tab: Tab, limits: ClientLimits) -> None:
+    """Pass on the messages of a tab, at most at the rate of the limits, while it is the live one."""
     while True:
         async with asyncio.timeout(SILENCE):
             text = await websocket.receive_text()
-        if not is_live():
-            continue
         cost = 1.0 if text.startswith('{"t":') else STUDY_MESSAGE
         if delay := limits.messages.delay(visitor.secret, cost):
             limits.refusals.warn(f"{_address(websocket)} sends too many messages; they are processed later.")
             await asyncio.sleep(delay)
         limits.messages.take(visitor.secret, cost)
-        if text.startswith('{"t":"pong"'):
+        if text == TAKE_OVER:
+            visitor.take_over(tab)
+        elif tab is not visitor.live:
+            pass  # Another tab is live, and this one may only answer heartbeats.
+        elif text.startswith('{"t":"pong"'):
             pong = _PONG.decode(text)
-            visitor.round_trip = time.monotonic() * 1000.0 - pong.at
-            visitor.visible = pong.visible
+            visitor.note_pong(time.monotonic() * 1000.0 - pong.at, visible=pong.visible)
         else:
             visitor.window.receive(text)

@@ -10,6 +10,7 @@ import msgspec
 from thbridge.dialogue.wording.texts import Texts
 from ui.model.kiosk import KIOSK, FromKiosk, GameSeenOver, GameToJoin, KioskClosed, StudyTexts, ToKiosk, WentOn
 from ui.web.page.messages import FROM_GAME_PAGE
+from ui.web.page.patches import Json
 from ui.web.page.study_page import StudyPageMaker
 from ui.web.pool.pool import HostedGame
 
@@ -101,6 +102,10 @@ class BrowserWindow:
             self._show(message)
         if self._game is not None:
             self._game.join()
+
+    def elsewhere(self) -> dict[str, Json]:
+        """Return the page for a tab while another tab is live."""
+        return self._maker.elsewhere()
 
     def disconnect(self) -> None:
         """Note that the browser is gone."""

@@ -27,6 +27,7 @@ from ui.web.pool.messages import (
     FromWorker,
     GamePassed,
     GameReady,
+    PersonActed,
     RecordingBrokenOff,
     RecordingCutOff,
     SeatSeenOver,
@@ -151,6 +152,8 @@ class PooledGames:
                 case GamePassed(seconds, lag, left):
                     deaths.reached = seconds
                     watcher.passed(seconds, lag, left)
+                case PersonActed(act, view_age):
+                    self._pages.tell(EventKind.ACTED, {"act": act, "view_age_ms": round(view_age, 1)})
                 case StillToDo(missing):
                     watcher.still_to_do({PracticeTerm(term): number for term, number in missing.items()})
                 case TimeIsUp():

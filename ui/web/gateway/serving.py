@@ -17,6 +17,7 @@ import uvicorn
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.design.recruiting import LinkCodes
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.sockets.admission import OWN_MACHINE, Admission, parse_network
 from thbridge.sockets.listening import BACKLOG, ServerDoor
@@ -24,12 +25,13 @@ from thbridge.study.study_file import Study
 from ui.web.gateway.app import application
 from ui.web.gateway.connections import LONGEST_HEAD, LONGEST_MESSAGE, MOST_CONNECTIONS, ConnectionGate, HttpConnection
 from ui.web.gateway.draining import DrainPort
+from ui.web.gateway.entry import StudyEntry, open_to_all
 from ui.web.gateway.game_queue import GameQueue
 from ui.web.gateway.limits import ClientLimits
 from ui.web.gateway.people import Visitors
+from ui.web.gateway.presence import PresenceWatch
 from ui.web.gateway.single import SingleGames
 from ui.web.gateway.study_visits import StudyVisits, VisitClock
-from ui.web.gateway.tickets import Tickets
 from ui.web.pool.pool import WorkerPool
 from ui.web.pool.running_games import RunningGames
 
@@ -125,7 +127,7 @@ async def serve_games(study: Study, file: Path | None, new_bag: Callable[[], Pat
         queue = GameQueue(pool)
         single = SingleGames(study, file, pool, queue, new_bag, math.inf)
         drain = DrainPort(pool.games, queue)
-        await serve_visitors(Visitors(single.visit, single.window), single.texts, options, drain)
+        await serve_visitors(Visitors(single.visit, single.window, open_to_all), single.texts, options, drain)
 
 
 async def serve_study(
@@ -135,6 +137,7 @@ async def serve_study(
     clock: VisitClock,
     report: Callable[[str], None],
     options: ServerOptions,
+    codes: LinkCodes | None = None,
 ) -> None:
     """Take visitors through a study until stopped.
 
@@ -145,13 +148,21 @@ async def serve_study(
         clock: clock of the log's events.
         report: function that receives sentences about problems.
         options: options of the gateway.
+        codes: codes that admit people; if None, no code is needed.
     """
-    tickets = Tickets(place.log.parent / "browsers.json")
+    tickets = place.tickets
+    entry = StudyEntry(design.file.recruiting, codes, conductor, tickets)
     async with _pool(options) as pool:
         queue = GameQueue(pool)
         visits = StudyVisits(place.root, design, conductor, clock, pool, queue, tickets, report)
         drain = DrainPort(pool.games, queue)
-        await serve_visitors(Visitors(visits.visit, visits.window), visits.texts, options, drain)
+        watching = asyncio.create_task(PresenceWatch(design.file.presence, conductor, visits.here, report).run())
+        try:
+            visitors = Visitors(visits.visit, visits.window, entry, begins_again=True)
+            await serve_visitors(visitors, visits.texts, options, drain)
+        finally:
+            watching.cancel()
+            await asyncio.gather(watching, return_exceptions=True)
 
 
 async def serve_visitors(

@@ -26,6 +26,7 @@ from ui.model.kiosk import (
 )
 from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.game_queue import LONGEST_WAIT, GameQueue
+from ui.web.gateway.people import Visitor
 from ui.web.gateway.waiting import pause, show_turn
 from ui.web.pool.messages import FromWorker, GamePassed, SeatWentOn
 from ui.web.pool.pool import DeathCount, HostedGame, WorkerDied, WorkerPool
@@ -73,10 +74,11 @@ class SingleGames:
         """Return a window in the study's language."""
         return BrowserWindow(self._setting.texts)
 
-    async def visit(self, window: BrowserWindow, secret: str) -> None:
+    async def visit(self, visitor: Visitor) -> None:
         """Take a visitor through the course, or lead them back to their game."""
+        window = visitor.window
         await window.send(StudyTexts(GameTexts.of(self._setting.texts)))
-        key = f"visitor-{hashlib.sha256(secret.encode()).hexdigest()[:_DIGEST]}"
+        key = f"visitor-{hashlib.sha256(visitor.secret.encode()).hexdigest()[:_DIGEST]}"
         page, agreed_at = 1, ""
         if not (self._pool.games.is_running(key) or self._pool.games.result(key)):
             before = await self._prepare(window)

@@ -11,8 +11,10 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.design.recruiting import Ending, ending_of
 from thbridge.experiment.progress import Run
-from thbridge.experiment.store.events import EventKind, LoggedEvent, RunState
+from thbridge.experiment.store.browser_tickets import BrowserTickets
+from thbridge.experiment.store.events import EventKind, FrontEnd, LoggedEvent, RunState
 from thbridge.files.errors import BadFile
 from thbridge.roles.shared.notices import GameTexts
 from ui.hosting.kiosk import words
@@ -22,9 +24,11 @@ from ui.hosting.kiosk.games import KioskStopped
 from ui.hosting.kiosk.pages import KioskPages, RunOver
 from ui.model.kiosk import HostStops, StudyTexts, TextToRead, WentOn
 from ui.web.gateway.browser_window import BrowserWindow
+from ui.web.gateway.entry import LinkEntry
 from ui.web.gateway.game_queue import GameQueue
+from ui.web.gateway.people import Visitor
 from ui.web.gateway.pooled_games import PooledGames, game_key
-from ui.web.gateway.tickets import Tickets
+from ui.web.gateway.presence import PersonHere
 from ui.web.gateway.waiting import await_turn, pause
 from ui.web.pool.pool import WorkerPool
 
@@ -57,6 +61,9 @@ class StudyVisits:
         queue: queue of people who wait for a game.
         tickets: record of browsers and their participants.
         report: function that receives sentences about problems, for the researcher.
+
+    Attributes:
+        here: people who have opened the study since the gateway was started, by their ids.
     """
 
     def __init__(
@@ -67,7 +74,7 @@ class StudyVisits:
         clock: VisitClock,
         pool: WorkerPool,
         queue: GameQueue,
-        tickets: Tickets,
+        tickets: BrowserTickets,
         report: Callable[[str], None],
     ) -> None:
         self._folder = folder
@@ -79,6 +86,7 @@ class StudyVisits:
         self._tickets = tickets
         self._report = report
         conductor.listeners.append(self._forget_result)
+        self.here: dict[str, PersonHere] = {}
         self.texts: Texts = texts_of(design.study, design.beside)
 
     def _forget_result(self, logged: LoggedEvent) -> None:
@@ -93,8 +101,9 @@ class StudyVisits:
         """Return a window in the study's language."""
         return BrowserWindow(self.texts)
 
-    async def visit(self, window: BrowserWindow, secret: str) -> None:
+    async def visit(self, visitor: Visitor) -> None:
         """Take a visitor through the study, from the step at which they are."""
+        window = visitor.window
         await window.send(StudyTexts(GameTexts.of(self.texts)))
         pages = KioskPages(self._conductor, window, self.texts)
         games = PooledGames(self._folder, self._pool, self._queue, window, pages)
@@ -102,7 +111,7 @@ class StudyVisits:
         listening = asyncio.create_task(pages.listen())
         try:
             with contextlib.suppress(KioskStopped):
-                await self._go_through(course, pages, window, secret)
+                await self._go_through(course, pages, visitor)
         except BadFile as bad:
             self._report(str(bad))
             text = self.texts.text("kiosk.failed_text")
@@ -112,28 +121,37 @@ class StudyVisits:
             listening.cancel()
             await asyncio.gather(listening, return_exceptions=True)
 
-    async def _go_through(self, course: StudyCourse, pages: KioskPages, window: BrowserWindow, secret: str) -> None:
-        participant = self._tickets.participant(secret)
-        run = self._conductor.progress.runs.get(participant)
-        window.has_place = run is not None
+    async def _go_through(self, course: StudyCourse, pages: KioskPages, visitor: Visitor) -> None:
+        run, again = self._run_of(visitor), False
         if run is None:
-            participant = await self._admit(course, pages)
-            if not participant:
+            run = await self._admit(course, pages, visitor.entry)
+            if run is None:
                 return
-            window.has_place = True
-            self._tickets.keep(secret, participant)
-            await course.go_through(participant)
         elif run.state is RunState.UNDER_WAY:
-            pages.person = participant
-            if not self._is_playing(run):
-                with contextlib.suppress(RunOver):
-                    await pages.read(TextToRead(0, *words.headed(self.texts, "restarted")))
-            await course.go_through(participant, again=True)
+            again = True
+        visitor.window.has_place = True
+        participant = run.participant
+        self._tickets.keep(visitor.secret, participant)
+        pages.person = participant
+        self.here[participant] = PersonHere(visitor, pages)
+        if again and not self._is_playing(run):
+            with contextlib.suppress(RunOver):
+                await pages.read(TextToRead(0, *words.headed(self.texts, "restarted")))
+        if run.state is RunState.UNDER_WAY:
+            await course.go_through(participant, again=again)
         elif not run.farewell_read:
-            pages.person = participant
             await course.part(participant)
-        text = self.texts.text("pages.close_window")
-        await pages.show(TextToRead(0, self.texts.text("kiosk.thank_you"), text, button=""))
+        run = self._conductor.progress.runs[participant]
+        thanks, text = self.texts.text("kiosk.thank_you"), self.texts.text("pages.close_window")
+        # A person who loads the page again still finds what the recruiting service wants.
+        await pages.show(TextToRead(0, thanks, text, button="", code=run.code, ending=course.ending(run)))
+
+    def _run_of(self, visitor: Visitor) -> Run | None:
+        """Return the run of a visitor who has begun before."""
+        progress = self._conductor.progress
+        if visitor.entry.external_id:
+            return progress.run_of(visitor.entry.external_id)
+        return progress.runs.get(self._tickets.participant(visitor.secret))
 
     async def _await_place(self, pages: KioskPages) -> None:
         """Let a visitor wait until a place may be free, or until the study is full."""
@@ -153,8 +171,8 @@ class StudyVisits:
         key = "" if step is None else game_key(run, step)
         return any(self._pool.games.is_running(each) for each in (key, f"{key}-practice"))
 
-    async def _admit(self, course: StudyCourse, pages: KioskPages) -> str:
-        """Show the first page until a visitor has a place; return their id, or nothing if the study is full."""
+    async def _admit(self, course: StudyCourse, pages: KioskPages, entry: LinkEntry) -> Run | None:
+        """Show the first page until a visitor has a place; return their run, or None if the study is full."""
         texts = self.texts
         await course.text_steps.send_instructions(None)
         while True:
@@ -162,8 +180,9 @@ class StudyVisits:
                 await pause(pages.window, texts)
             place = self._conductor.progress.next_place()
             if place is NoPlace.FULL:
-                await pages.show(TextToRead(0, *words.headed(texts, "full"), button=""))
-                return ""
+                ending = ending_of(self._design.file.recruiting, Ending.FULL, entry.parameters)
+                await pages.show(TextToRead(0, *words.headed(texts, "full"), button="", ending=ending))
+                return None
             if place is NoPlace.TAKEN:
                 await self._await_place(pages)
                 continue
@@ -173,5 +192,6 @@ class StudyVisits:
                 pass
             if self._queue.is_closed:
                 continue
-            if not isinstance(admitted := self._conductor.admit(), NoPlace):
-                return admitted.participant
+            admitted = self._conductor.admit(entry.external_id, entry.parameters, FrontEnd.BROWSER)
+            if not isinstance(admitted, NoPlace):
+                return admitted

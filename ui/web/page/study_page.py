@@ -6,6 +6,7 @@ from html import escape
 from markdown_it import MarkdownIt
 
 from thbridge.dialogue.wording.texts import Texts
+from thbridge.experiment.design.recruiting import is_address
 from ui.model.kiosk import (
     AnswerKept,
     CloseKiosk,
@@ -61,6 +62,7 @@ class StudyPageMaker:
                     "html": self._html(message.text, markdown=message.markdown),
                     "button": texts.text("kiosk.continue") if button is None else button,
                     "code": self._code(message.code),
+                    "ending": self._ending(message.ending),
                     **self._progress(message.progress),
                 }
             case ConsentToAsk(page=number, text=text, markdown=markdown):
@@ -143,6 +145,31 @@ class StudyPageMaker:
                 return {"t": "closed"}
             case AnswerKept(page=number, item=item):
                 return {"t": "kept", "page": number, "item": item, "timed_out": message.timed_out}
+
+    def elsewhere(self) -> dict[str, Json]:
+        """Return the message for a tab while another tab of the same person is live."""
+        texts = self.texts
+        return {
+            **self._words(),  # The tab may have received nothing yet.
+            "t": "elsewhere",
+            "page": 0,
+            "heading": texts.text("web.elsewhere"),
+            "html": self._html(texts.text("web.elsewhere_text"), markdown=False),
+            "button": texts.text("web.continue_here"),
+            "code": None,
+            "ending": None,
+            **self._progress(StudyProgress()),
+        }
+
+    def _ending(self, ending: str) -> Json:
+        """Return the contents of a page about an ending: an address or a completion code."""
+        if not ending:
+            return None
+        texts = self.texts
+        if is_address(ending):
+            return {"address": ending, "label": texts.text("web.to_service")}
+        spoken = texts.text("kiosk.completion_code_name", code=", ".join(ending))
+        return {"address": "", "label": texts.text("web.service_code"), "code": ending, "spoken": spoken}
 
     def _words(self) -> dict[str, Json]:
         """Return the words of the page's fixed parts."""
@@ -310,8 +337,6 @@ PAGE_WORDS = (
     "settings.sound_on",
     "settings.close",
     "web.lost",
-    "web.elsewhere",
-    "web.elsewhere_text",
     "web.leave_text",
 )
 """Keys of the texts for the fixed parts of the page."""

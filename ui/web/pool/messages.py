@@ -63,6 +63,16 @@ class SeatDeclined(msgspec.Struct, frozen=True, tag="declined"):
     """Worker: the person does not take part in the study."""
 
 
+class PersonActed(msgspec.Struct, frozen=True, tag="acted"):
+    """Worker: the person did an act of this kind; `view_age` is the age of the page on which they acted, milliseconds.
+
+    It is the time from the moment at which the worker sent the page to the moment at which it received the act.
+    """
+
+    act: str
+    view_age: float
+
+
 class GamePassed(msgspec.Struct, frozen=True, tag="passed"):
     """Worker: times of the game, seconds; see `ui.hosting.kiosk.games.GameWatcher`."""
 
@@ -114,6 +124,7 @@ FromWorker: TypeAlias = (
     | SeatSeenOver
     | SeatWentOn
     | SeatDeclined
+    | PersonActed
     | GamePassed
     | StillToDo
     | TimeIsUp

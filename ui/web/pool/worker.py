@@ -33,6 +33,7 @@ from ui.web.pool.messages import (
     FromWorker,
     GameReady,
     GatewayHello,
+    PersonActed,
     PersonLeft,
     SeatDeclined,
     SeatSeenOver,
@@ -203,6 +204,7 @@ class Worker:
             practice=request.practice,
             once=request.once,
             agreed_at=request.agreed_at,
+            acted=lambda act, view_age: self.report(PersonActed(act, view_age)),
         )
         self._seat, self._seated = seat, asyncio.create_task(seat.run())
         if self._browser:

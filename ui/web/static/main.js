@@ -23,8 +23,11 @@ function send(message) {
   if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
 }
 
+// A page that connects again is the same tab, also after its network address has changed.
+const tab = [...crypto.getRandomValues(new Uint8Array(8))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+
 function connect() {
-  socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
+  socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket?tab=${tab}`);
   socket.addEventListener("open", () => {
     retries = 0;
     connection.hidden = true;
@@ -70,11 +73,15 @@ function receive(message) {
       break;
     case "kept":
       break;
-    case "taken over":
+    case "elsewhere":
+      words = message.words;
+      replace(new TextPage(message, () => send({ t: "take over" })));
+      page.start();
+      break;
     case "stopped":
     case "closed":
-      ended = message.t !== "stopped";
-      showPage({ t: "text", page: 0, heading: message.heading ?? words["web.elsewhere"] ?? "", html: message.html ?? `<p>${words["web.elsewhere_text"] ?? ""}</p>`, button: "", code: null, step: "", share: 0 });
+      ended = message.t === "closed";
+      showPage({ t: "text", page: 0, heading: message.heading ?? "", html: message.html ?? "", button: "", code: null, ending: null, step: "", share: 0 });
       break;
     case "recorded":
       if (game && game.page?.phase === "over" && page?.message.page === message.page) break;
@@ -122,6 +129,8 @@ function showNews(message) {
 function showStrip() {
   const message = page?.message ?? {};
   const parts = [];
+  // The address must not show who the person is. When they have begun, the server knows them without it.
+  if (message.step && location.search) history.replaceState(null, "", location.pathname);
   if (message.step) parts.push(element("span", { class: "muted", text: message.step }), element("progress", { value: message.share, max: 1, "aria-label": message.step }));
   if (game && news?.left) parts.push(element("span", { class: news.near ? "near" : "muted", text: news.left }));
   if (game && message.practice && news) {

@@ -68,10 +68,20 @@ export class TextPage extends Page {
         element("p", { class: "muted", text: note, hidden: !note }),
       );
     }
-    if (message.button) {
-      this.button = this.plainButton(message.button, "Enter", () => this.leave({ type: "WentOn" }), "main");
-      this.element.append(element("footer", { class: "row end" }, this.button));
+    const footer = element("footer", { class: "row end" });
+    if (message.ending?.code) {
+      const { label, code, spoken } = message.ending;
+      this.element.append(element("p", { class: "code-label", text: label }), element("p", { class: "code", "aria-label": spoken, tabindex: "0", text: code }));
     }
+    if (message.ending?.address) {
+      const link = element("a", { class: "main", href: message.ending.address, rel: "noreferrer", text: message.ending.label });
+      link.addEventListener("click", () => message.button && send({ type: "WentOn", page: message.page }));
+      footer.append(link);
+    } else if (message.button) {
+      this.button = this.plainButton(message.button, "Enter", () => this.leave({ type: "WentOn" }), "main");
+      footer.append(this.button);
+    }
+    if (footer.children.length) this.element.append(footer);
   }
 
   key(event) {
