@@ -3,6 +3,7 @@
 import asyncio
 import http.client
 import json
+import secrets
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -23,6 +24,9 @@ class BrowserClient:
         study: messages about pages of the study, newest last.
         tree: tree of the game's page; empty before.
         texts: all text that it has received, to be searched.
+        tab: name of the tab.
+        visible: True if the page is visible.
+        answers: True if it answers heartbeats.
     """
 
     port: int
@@ -31,33 +35,36 @@ class BrowserClient:
     tree: dict[str, Any] = field(default_factory=dict)
     texts: list[str] = field(default_factory=list)
     number: int = 0
+    tab: str = field(default_factory=lambda: secrets.token_hex(8))
+    visible: bool = True
+    answers: bool = True
     _left: int = 0
     _painted: asyncio.Event = field(default_factory=asyncio.Event)
     _socket: ClientConnection | None = None
     _reading: asyncio.Task[None] | None = None
 
-    def load(self) -> str:
-        """Load the page; keep the cookie."""
+    def load(self, query: str = "") -> str:
+        """Load the page, with these parameters in its address; keep the cookie."""
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
-        connection.request("GET", "/", headers={"Cookie": self.cookie} if self.cookie else {})
+        connection.request("GET", f"/{query}", headers={"Cookie": self.cookie} if self.cookie else {})
         answer = connection.getresponse()
-        self.cookie = (answer.getheader("set-cookie") or "").partition(";")[0]
+        self.cookie = (answer.getheader("set-cookie") or self.cookie).partition(";")[0]
         return answer.read().decode()
 
     async def open(self, origin: str | None = None) -> None:
         """Connect, and read from now on."""
         self._socket = await connect(
-            f"ws://127.0.0.1:{self.port}/socket",
+            f"ws://127.0.0.1:{self.port}/socket?tab={self.tab}",
             origin=origin or f"http://127.0.0.1:{self.port}",  # type: ignore[arg-type]
             additional_headers={"Cookie": self.cookie},
         )
         self._reading = asyncio.create_task(self._read(self._socket))
 
     @classmethod
-    async def arrived(cls, port: int) -> "BrowserClient":
+    async def arrived(cls, port: int, query: str = "", cookie: str = "") -> "BrowserClient":
         """Return a browser that has loaded the page and is connected."""
-        browser = cls(port)
-        await asyncio.to_thread(browser.load)
+        browser = cls(port, cookie)
+        await asyncio.to_thread(browser.load, query)
         await browser.open()
         return browser
 
@@ -155,8 +162,10 @@ class BrowserClient:
             self.texts.append(str(text))
             message = json.loads(text)
             match message["t"]:
+                case "ping" if not self.answers:
+                    pass
                 case "ping":
-                    await self.send({"t": "pong", "at": message["at"], "visible": True})
+                    await self.send({"t": "pong", "at": message["at"], "visible": self.visible})
                 case "page":
                     self.tree = applied(self.tree, message["p"])
                     self.number = message["n"]

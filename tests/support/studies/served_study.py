@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 
 from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.design.recruiting import link_codes
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.event_log import ExperimentLog
 from ui.web.gateway.serving import ServerOptions, serve_study
@@ -20,13 +21,14 @@ async def served(folder: Path, running: RunningGames | None = None) -> AsyncIter
     """Serve the study in a folder; yield the port and the conductor. Games outlive the server if `running` is given."""
     place, clock = ExperimentFolder(folder), VisitClock()
     design = place.read()
+    codes = link_codes(design.file.recruiting, folder)
     place.log.parent.mkdir(exist_ok=True)
     with ExperimentLog(place.log, synced=False) as log:
         conductor = Conductor(design, log, clock, secrets.randbelow)
         listening, ready = socket.create_server(("127.0.0.1", 0)), asyncio.Event()
         options = ServerOptions(listening, 2, None, ready.set, running=running)
         problems: list[str] = []
-        serving = asyncio.create_task(serve_study(place, design, conductor, clock, problems.append, options))
+        serving = asyncio.create_task(serve_study(place, design, conductor, clock, problems.append, options, codes))
         await asyncio.wait([serving, asyncio.create_task(ready.wait())], return_when=asyncio.FIRST_COMPLETED)
         try:
             yield listening.getsockname()[1], conductor

@@ -126,7 +126,7 @@ class Visitors:
     # Secret of each expected browser or visitor with a code or an id of a recruiting service.
 
     def expect(self, secret: str, query: Mapping[str, str]) -> str:
-        """Return the secret of a browser that loads the page: its own, or that of the person with the link, or a new one.
+        """Return the secret of a browser that loads the page: its own, that of the person with the link, or a new one.
 
         A visit begins only when the browser connects. See also `begins_again`.
 

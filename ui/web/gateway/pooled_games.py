@@ -13,7 +13,7 @@ from thbridge.app.consent import ParticipantDeclined
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.progress import Run
-from thbridge.experiment.store.events import JsonValue
+from thbridge.experiment.store.events import EventKind, JsonValue
 from thbridge.files.errors import BadFile
 from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.kiosk import words

@@ -10,8 +10,8 @@ import pytest
 
 from tests.support.programs.browser_client import BrowserClient
 from tests.support.studies.served_study import served
+from tests.support.studies.study_events import data_of
 from thbridge.experiment.conductor import Conductor
-from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.events import EventKind, RunState
 from ui.web.pool.running_games import RunningGames
 
@@ -100,9 +100,10 @@ def test_two_people_go_through_the_study_at_the_same_time(folder: Path) -> None:
     runs = list(conductor.progress.runs.values())
     assert [each.state for each in runs] == [RunState.COMPLETE, RunState.COMPLETE]
     assert sorted(str(each.answers["after.again"]) for each in runs) == ["no", "yes"]
-    events = ExperimentFolder(folder).entries()
-    games = [each for each in events if getattr(each, "event", None) and each.event.kind == EventKind.GAME_PLAYED]
-    assert len(games) == 2
+    assert len(data_of(folder, EventKind.GAME_PLAYED)) == 2
+    acts = data_of(folder, EventKind.ACTED)
+    assert sorted(str(each["act"]) for each in acts) == sorted(2 * ["EndGameAct", "Confirm", "GoOnFromGame"])
+    assert all(float(str(each["view_age_ms"])) > 0.0 for each in acts)
     assert len(list((folder / "recordings").rglob("*.bag"))) == 2
 
 
