@@ -20,14 +20,16 @@ from thbridge.sockets.tls import browser_context
 from ui.model.kiosk import TextToRead, WentOn
 from ui.web.gateway import connections, people
 from ui.web.gateway.browser_window import BrowserWindow
-from ui.web.gateway.people import Visitors
+from ui.web.gateway.entry import open_to_all
+from ui.web.gateway.people import Visitor, Visitors
 from ui.web.gateway.serving import ServerOptions, serve_visitors
 
 TEXTS = shipped_texts("en")
 
 
-async def read_pages(window: BrowserWindow, _secret: str) -> None:
+async def read_pages(visitor: Visitor) -> None:
     """Show one page after another."""
+    window = visitor.window
     for number in range(1, 1000):
         await window.send(TextToRead(number, f"Page {number}", "A text."))
         while not isinstance(await window.next_request(), WentOn):
@@ -39,7 +41,7 @@ async def served(**changes: object) -> AsyncIterator[tuple[int, Visitors]]:
     """Serve pages; yield the port and the visitors."""
     listening, ready = socket.create_server(("127.0.0.1", 0)), asyncio.Event()
     options = replace(ServerOptions(listening, 1, None, ready.set), **changes)
-    visitors = Visitors(read_pages, lambda: BrowserWindow(TEXTS))
+    visitors = Visitors(read_pages, lambda: BrowserWindow(TEXTS), open_to_all)
     serving = asyncio.create_task(serve_visitors(visitors, TEXTS, options))
     await asyncio.wait([serving, asyncio.create_task(ready.wait())], return_when=asyncio.FIRST_COMPLETED)
     try:

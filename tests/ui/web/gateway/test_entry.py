@@ -141,6 +141,19 @@ def test_a_link_that_admits_no_one_shows_what_to_do_and_writes_nothing(
     assert not (folder / "store" / "browsers.json").exists()
 
 
+def test_an_address_that_tries_many_codes_gets_no_page_for_some_time(study: Callable[[str], Path]) -> None:
+    folder = study("{codes: codes.txt}")
+
+    async def run() -> None:
+        async with served(folder) as (port, _):
+            load = BrowserClient(port).load
+            pages = [await asyncio.to_thread(load, f"?code=guessed-code-{number:04}") for number in range(40)]
+            assert "does not belong" in pages[0] and "<html" not in pages[-1]
+            assert pages[-1] == await asyncio.to_thread(load, f"?code={CODES[0]}"), "a right guess is not recognized"
+
+    asyncio.run(asyncio.wait_for(run(), 120))
+
+
 def test_parameters_are_in_the_log_and_never_in_an_export(study: Callable[[str], Path]) -> None:
     folder = study("{}")
 
