@@ -30,7 +30,7 @@ def main(port, code):
         return WebDriverWait(browser, PATIENCE, 0.1).until(lambda _browser: happened())
 
     def heading():
-        return "".join(each.text for each in browser.find_elements(By.TAG_NAME, "h1"))
+        return browser.execute_script("return document.querySelector('h1')?.textContent ?? ''")
 
     def come_to(wanted):
         until(lambda: heading() == wanted)

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.exceptions import InvalidStatus
 from websockets.frames import Frame, Opcode
 
 from tests.support.programs.browser_client import BrowserClient
@@ -185,12 +185,15 @@ def test_only_the_live_tab_speaks() -> None:
         first = await reader(port)
         second = BrowserClient(port, first.cookie)
         await second.open()
-        await second.until(lambda: second.study)
-        with suppress(ConnectionClosed):
-            await first.send({"type": "WentOn", "page": 1})
-        assert await first.closed() == 4000
+        await second.until(lambda: second.shown["t"] == "elsewhere")
+        await second.send({"type": "WentOn", "page": 1})
+        await goes_on(first)
+        await second.send({"t": "take over"})
+        await second.until(lambda: second.shown["page"] == 2)
+        await first.until(lambda: first.shown["t"] == "elsewhere")
+        await first.send({"type": "WentOn", "page": 2})
         await goes_on(second)
-        assert [message["page"] for message in second.study] == [1, 2]
+        assert [message["page"] for message in second.study] == [0, 2, 3]
 
     scenario(play)
 

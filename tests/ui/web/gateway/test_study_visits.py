@@ -102,7 +102,10 @@ def test_two_people_go_through_the_study_at_the_same_time(folder: Path) -> None:
     assert sorted(str(each.answers["after.again"]) for each in runs) == ["no", "yes"]
     assert len(data_of(folder, EventKind.GAME_PLAYED)) == 2
     acts = data_of(folder, EventKind.ACTED)
-    assert sorted(str(each["act"]) for each in acts) == sorted(2 * ["EndGameAct", "Confirm", "GoOnFromGame"])
+    # The game may end before the act of continuing arrives.
+    assert sorted(str(each["act"]) for each in acts if each["act"] != "GoOnFromGame") == sorted(
+        2 * ["EndGameAct", "Confirm"]
+    )
     assert all(float(str(each["view_age_ms"])) > 0.0 for each in acts)
     assert len(list((folder / "recordings").rglob("*.bag"))) == 2
 
@@ -120,7 +123,9 @@ def test_a_game_whose_worker_is_killed_is_resumed_where_it_was(folder: Path) -> 
         (key,) = running
         killed = running.address(key)
         assert killed is not None
+        joined = [message["t"] for message in browser.study].count("game")
         os.kill(killed.process, signal.SIGKILL)
+        await browser.until(lambda: [message["t"] for message in browser.study].count("game") > joined)
         browser.tree = {}
         await browser.until(lambda: browser.tree.get("dialogue") and browser.tree["dialogue"]["choices"])
         times.append(browser.tree["dialogue"]["title"])
