@@ -1,6 +1,7 @@
 """A person in Debian's Chromium comes to a study by a link, opens a second tab, and goes back to the service."""
 
 import json
+import secrets
 import subprocess
 from pathlib import Path
 
@@ -33,7 +34,7 @@ def test_a_person_comes_by_a_link_and_leaves_by_another(tmp_path: Path) -> None:
     study.mkdir()
     (study / "experiment.yaml").write_text(STUDY)
     (study / "welcome.txt").write_text("Please read this text.\n")
-    (code,) = add_codes(study / "codes.txt", 1)
+    (code,) = add_codes(study / "codes.txt", 1, secrets.randbelow)
     server = Program(tmp_path, "serve", "study", "--port", "0")
     try:
         until("the gateway", lambda: "Open http" in server.text or server.process.poll() is not None, [server])

@@ -1,5 +1,6 @@
 """Codes, parameters and endings of a study with people who come by a link."""
 
+import secrets
 from pathlib import Path
 
 import pytest
@@ -58,7 +59,7 @@ def test_faulty_codes_are_reported_with_their_line(tmp_path: Path, text: str, li
 
 def test_new_codes_are_added_and_cannot_be_guessed(tmp_path: Path) -> None:
     path = tmp_path / "codes.txt"
-    first, second = add_codes(path, 3), add_codes(path, 2)
+    first, second = add_codes(path, 3, secrets.randbelow), add_codes(path, 2, secrets.randbelow)
     assert read_codes(path) == [*first, *second]
     assert {len(code) for code in first} == {16} and len({*first, *second}) == 5
     codes = LinkCodes(first)

@@ -2,8 +2,7 @@
 
 import hashlib
 import re
-import secrets
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -179,14 +178,19 @@ def link_codes(recruiting: RecruitingSection, folder: Path) -> LinkCodes | None:
     return None if recruiting.codes is None else LinkCodes(read_codes(folder / recruiting.codes))
 
 
-def add_codes(path: Path, number: int) -> list[str]:
+def add_codes(path: Path, number: int, draw: Callable[[int], int]) -> list[str]:
     """Create codes and add them to a file, which need not exist; return the new codes.
+
+    Args:
+        path: the file.
+        number: number of codes to create.
+        draw: function that returns a secret random whole number from 0 to n - 1, where n is its argument.
 
     Raises:
         BadFile: the file cannot be written, or its present codes are faulty.
     """
     present = read_codes(path) if path.exists() else []
-    made = ["".join(secrets.choice(_LETTERS) for _ in range(_LENGTH)) for _ in range(number)]
+    made = ["".join(_LETTERS[draw(len(_LETTERS))] for _ in range(_LENGTH)) for _ in range(number)]
     write_whole(path, "".join(f"{code}\n" for code in (*present, *made)).encode())
     return made
 

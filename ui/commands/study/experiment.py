@@ -1,5 +1,6 @@
 """Commands of `thbridge study` for studies with people: `new`, `run`, `status`, `watch`, `freeze`, `backup`, ..."""
 
+import secrets
 import shlex
 import shutil
 from dataclasses import replace
@@ -166,7 +167,7 @@ def study_codes(
         if name is None:
             remedy = "Write recruiting: {codes: codes.txt}"
             raise design.fault("recruiting.codes", "the study has no file for codes, so anyone can enter", remedy)
-        for code in add_codes(folder / name, number):
+        for code in add_codes(folder / name, number, secrets.randbelow):
             say(link_with(address, code))
     note(f"Added codes to {folder / name}: {number}. If `thbridge serve` is running, stop it and start it again.")
 
