@@ -6,20 +6,20 @@ import hashlib
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import msgspec
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.roles.shared.notices import FloorPlan
-from thbridge.roles.shared.view import GiveConsent
-from thbridge.sockets.addresses import ListeningAddress
+from thbridge.roles.shared.view import ParticipantRequest
 from thbridge.sockets.reconnecting import ConnectionLost
 from ui.model.playing.answer_guard import AnswerGuard
 from ui.model.playing.keys import act_for
 from ui.model.playing.participant import ComposedScreen, Participant
 from ui.model.playing.practice import advice
 from ui.model.playing.screen import Act, DeclineConsentAct, GoOnFromGame, Phase, ShowSettings
-from ui.sources.game import GameConnection, ReceivedEvent, ServerReached
+from ui.sources.game import ReceivedEvent, ServerReached
 from ui.web.page.floor import floor_shapes
 from ui.web.page.game_page import BrowserPage, BrowserPageMaker
 from ui.web.page.messages import ActDone, FromGamePage, KeyPressed, PagePainted, decode_act
@@ -65,16 +65,24 @@ class PageStream:
     guard: AnswerGuard = field(default_factory=AnswerGuard)
 
 
+class SeatConnection(Protocol):
+    """Connection of a seat to its game; `GameConnection` describes the attributes."""
+
+    requested: tuple[ParticipantRequest, ...]
+    declined: bool
+
+    async def run(self, stopped: Callable[[], bool], period: float) -> None:
+        """Stay connected until `stopped` returns True; poll the connection after each `period` in seconds."""
+
+
 class GameSeat:
     """Seat of one person in one game.
 
     Args:
-        where: address of the game's text server.
-        token: id of the person's program; see `GameConnection`.
+        connect: returns the connection to the game; its argument is the function that receives the game's events.
         texts: texts until the game has sent its own.
         practice: True for the practice game.
         once: True if only one game is played, and another part of a study follows.
-        agreed_at: time at which the person gave consent; empty if they were not asked.
         acted: function that receives the kind of each act, and the age of the page on which the person acted, in
             milliseconds.
         clock: monotonic clock, seconds.
@@ -87,13 +95,11 @@ class GameSeat:
 
     def __init__(
         self,
-        where: ListeningAddress,
-        token: str,
+        connect: Callable[[Callable[[ReceivedEvent], None]], SeatConnection],
         texts: Texts,
         *,
         practice: bool = False,
         once: bool = True,
-        agreed_at: str = "",
         acted: Callable[[str, float], None] = lambda _act, _view_age: None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
@@ -102,8 +108,7 @@ class GameSeat:
         self._acted = acted
         self._model = Participant(texts=texts, once=once)
         self._events: list[ReceivedEvent] = []
-        consent = GiveConsent(agreed_at) if agreed_at else None
-        self._connection = GameConnection(where.host, where.port, token, self._events.append, consent)
+        self._connection = connect(self._events.append)
         self._maker = BrowserPageMaker(self._picture_id)
         self._pictures: dict[str, bytes] = {}
         self._ids: dict[int, tuple[bytes, str]] = {}

@@ -20,8 +20,10 @@ from thbridge.app.consent import ParticipantDeclined
 from thbridge.app.play import Checkpoints
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.errors import BadFile
+from thbridge.roles.shared.view import GiveConsent
 from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.lobby import WILDCARD_ADDRESSES
+from ui.sources.game import GameConnection
 from ui.web.page.messages import FROM_GAME_PAGE
 from ui.web.page.patches import Json
 from ui.web.pool.messages import (
@@ -197,13 +199,12 @@ class Worker:
         """See `SeatOfGame`."""
         host = WILDCARD_ADDRESSES.get(where.host, where.host)
         request = self._request
+        consent = GiveConsent(request.agreed_at) if request.agreed_at else None
         seat = GameSeat(
-            ListeningAddress(host, where.port),
-            self._address.token,
+            lambda report: GameConnection(host, where.port, self._address.token, report, consent),
             request.texts(),
             practice=request.practice,
             once=request.once,
-            agreed_at=request.agreed_at,
             acted=lambda act, view_age: self.report(PersonActed(act, view_age)),
         )
         self._seat, self._seated = seat, asyncio.create_task(seat.run())
