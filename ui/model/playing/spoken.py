@@ -2,7 +2,7 @@
 
 from thbridge.dialogue.wording.texts import Texts, counted
 from ui.model.playing.keys import shown_key
-from ui.model.playing.screen import HistoryLine, RobotCard, RoomTile, Screen
+from ui.model.playing.screen import Action, HistoryLine, RobotCard, RoomTile, Screen
 
 
 def energy_words(texts: Texts, card: RobotCard) -> tuple[str, ...]:
@@ -40,6 +40,17 @@ def _spoken_cost(texts: Texts, card: RobotCard) -> str:
     if card.cost is None:
         return ""
     return texts.text("window.move_costs" if card.affordable else "window.move_too_dear", cost=card.cost)
+
+
+def spoken_request(texts: Texts, name: str, action: Action) -> str:
+    """Return the name of a button on a card. The button stays while the game has not granted the request yet.
+
+    Args:
+        texts: texts of the game's language.
+        name: sentence about the act.
+        action: the button.
+    """
+    return name if action.enabled else texts.text("window.asked_for", name=name)
 
 
 def tile_words(texts: Texts, tile: RoomTile) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from sim.common.robot_numbers import number_of
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.properties import PropertyDrawing
 from thbridge.roles.shared.notices import Ellipse
-from ui.model.playing.keys import act_for, shown_key
+from ui.model.playing.keys import HELP, act_for, shown_key
 from ui.model.playing.screen import (
     Act,
     Action,
@@ -30,7 +30,16 @@ from ui.model.playing.screen import (
     TreasureFact,
     TreasurePopup,
 )
-from ui.model.playing.spoken import energy_words, remark_of, signed, speaker_of, spoken_card, spoken_tile, tile_words
+from ui.model.playing.spoken import (
+    energy_words,
+    remark_of,
+    signed,
+    speaker_of,
+    spoken_card,
+    spoken_request,
+    spoken_tile,
+    tile_words,
+)
 from ui.model.shared.scene import RobotMark
 
 SourceT = TypeVar("SourceT")
@@ -436,7 +445,7 @@ class BrowserPageMaker:
             waiting=kept(
                 "waiting",
                 waiting,
-                lambda items: tuple(PageWaiting(item.robot, item.text, button.one(item.show)) for item in items),
+                lambda items: tuple(PageWaiting(item.robot, item.text, button.one(item.show, item.text)) for item in items),
             ),
             history=kept(
                 "history",
@@ -451,7 +460,7 @@ class BrowserPageMaker:
             ending=None if ending is None else PageQuestion(ending.title, ending.lines, (button.one(ending.again),)),
             rules=screen.rules,
             help=screen.help,
-            close_help=button.one(Action(ShowHelp(), texts.text("popups.close"), "Esc")),
+            close_help=button.one(Action(ShowHelp(), texts.text("popups.close"), HELP.keys[0])),
             enlarged=self._picture_id(screen.enlarged),
             followed=followed,
             robots=tuple(_robot(mark) for mark in robots),
@@ -580,7 +589,10 @@ class _ButtonMaker:
             waits=card.waits,
             select=self.one(card.select, spoken_card(texts, card)),
             buttons=tuple(
-                self.one(action, texts.text(f"window.{name}", robot=card.robot))
+                replace(
+                    self.one(action),
+                    spoken=spoken_request(texts, texts.text(f"window.{name}", robot=card.robot), action),
+                )
                 for name, action in offered
                 if action is not None
             ),

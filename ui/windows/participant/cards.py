@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QApplication, QSizePolicy, QVBoxLayout, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
 from ui.model.playing.screen import Action, RobotCard
-from ui.model.playing.spoken import energy_words, spoken_card
+from ui.model.playing.spoken import energy_words, spoken_card, spoken_request
 from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ParticipantButton
 from ui.windows.participant.widgets.painting import (
@@ -223,7 +223,7 @@ class Card(ActionWidget):
         """Show an action on a button, or hide the button if there is none. Return the width that the button needs."""
         if action is not None:
             button.show_action(action)
-            button.setAccessibleName(spoken if action.enabled else self._texts.text("window.asked_for", name=spoken))
+            button.setAccessibleName(spoken_request(self._texts, spoken, action))
         elif button.hasFocus():
             self.face.setFocus()
         button.setVisible(action is not None)
