@@ -43,8 +43,9 @@ from thbridge.roles.shared.view import (
 from thbridge.timing.wall_clock import utc_now
 from ui.model.consent_words import answer_in
 from ui.model.playing.keys import choice_keys
-from ui.model.playing.memory.history import spoken
+from ui.model.playing.memory.history import spoken, stopped_words
 from ui.model.playing.popups.dialogues import OVERRIDE
+from ui.model.playing.popups.game_over import ending_lines
 from ui.model.playing.possible import why_refused
 from ui.model.playing.rules_sheet import rules_of
 from ui.model.playing.words import commander_in_words, outcome_of, verdict_words
@@ -127,11 +128,11 @@ class TerminalPlayer:
             case ["l", room] if _is_number(room):
                 self._wanted = (LeaveTreasure(int(room)),)
             case ["u", room] if _is_number(room):
-                self._wanted = (TakeUpTreasure(int(room)),)
+                self._take_up(view, int(room))
             case ["b", robot] if _is_number(robot):
                 self._wanted = (StopRobot(index_of(int(robot))),)
             case ["a", robot] if _is_number(robot):
-                self._wanted = (RequestHandback(index_of(int(robot))),)
+                self._ask_back(view, index_of(int(robot)))
             case [robot, "?"] if _is_number(robot):
                 self._wanted = (RequestSuggestion(index_of(int(robot))),)
             case [robot, room] if _is_number(robot) and _is_number(room):
@@ -198,14 +199,35 @@ class TerminalPlayer:
         else:
             self._wanted = (TellProperty(room, told.name, values[0]),)
 
+    def _ask_back(self, view: View, robot: int) -> None:
+        asked = view.robots[robot] if 0 <= robot < len(view.robots) else None
+        if asked is not None and not asked.has_other_commander:
+            self.show(self.texts().text("hints.you_command", robot=robot))
+        elif asked is not None and asked.asked_back:
+            self.show(self.texts().text("hints.asked_already", robot=robot))
+        else:
+            self._wanted = (RequestHandback(robot),)
+
+    def _take_up(self, view: View, room: int) -> None:
+        place = view.room(room) if 0 < room <= len(view.rooms) else None
+        if place is None or place.left:
+            self._wanted = (TakeUpTreasure(room),)
+        elif place.robot is None:
+            self._show_no_robot(room)
+        else:
+            self.show(self.texts().text("hints.nothing_to_undo", robot=place.robot))
+
     def _discuss(
         self, view: View, room: int, matter: Literal["take-picture", "take-treasure"], name: str | None = None
     ) -> None:
         robot = view.room(room).robot if 0 < room <= len(view.rooms) else None
         if robot is None:
-            self.show(self.texts().text("terminal.no_robot", room=NamedRoom(room, self.rooms().named.get(room, ""))))
+            self._show_no_robot(room)
         else:
             self._wanted = (OpenDialogue(robot, matter, room, name),)
+
+    def _show_no_robot(self, room: int) -> None:
+        self.show(self.texts().text("terminal.no_robot", room=NamedRoom(room, self.rooms().named.get(room, ""))))
 
     def _follow(self, consent: Consent) -> ParticipantRequest | None:
         match consent.matter:
@@ -291,7 +313,7 @@ class Telling:
         if view.refusal is not None and view.refusal != before.refusal:
             lines.append(self._refused(view.refusal))
         if view.over is not None and before.over is None:
-            lines.append(self.texts.text("terminal.over", score=view.score))
+            lines += [self.texts.text("terminal.over", score=view.score), *ending_lines(self.texts, view)]
         return lines
 
     def _refused(self, refusal: RefusalView) -> str:
@@ -309,6 +331,8 @@ class Telling:
             lines.append(self.texts.text(key, robot=robot.robot, energy=robot.energy, room=room))
             if robot.condition is not Condition.WELL:
                 lines.append(self.texts.text(f"terminal.{robot.condition}", robot=robot.robot))
+            if robot.blocked:
+                lines.append(self.texts.text("history.blocked", robot=robot.robot))
             if robot.commander is not Commander.PARTICIPANT:
                 lines.append(self.texts.text("terminal.commanded", robot=robot.robot, commander=self._commander(robot)))
         lines += [self._found(room) for room in view.rooms if room.found and room.undecided]
@@ -332,8 +356,11 @@ class Telling:
             goal = self.room(now.moving_to)
             lines.append(self.texts.text("terminal.sets_out", robot=robot, energy=now.energy, room=goal))
         if was.moving_to is not None and now.moving_to is None:
-            key = "terminal.arrived" if now.place == was.moving_to else "terminal.stopped"
-            lines.append(self.texts.text(key, robot=robot, room=self.room(now.place)))
+            arrived = now.place == was.moving_to
+            here = self.texts.text("terminal.arrived", robot=robot, room=self.room(now.place))
+            lines.append(here if arrived else stopped_words(self.texts, was, now))
+        if now.blocked and not was.blocked:
+            lines.append(self.texts.text("history.blocked", robot=robot))
         if now.condition is not was.condition:
             lines.append(self.texts.text(f"terminal.{now.condition}", robot=robot))
         if (now.commander, now.commander_name) != (was.commander, was.commander_name):

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 from tests.support.front_ends.person import Person
@@ -35,16 +36,17 @@ class BrowserPerson(Person):
 
     Attributes:
         tree: tree of the page.
-        received: all messages that the browser has received, as they were sent.
+        received: all messages that the browser has received, as they were sent, each with the number of the game's
+            events before it.
         number: number of the page.
     """
 
-    def __init__(self, study: Study, beside: Any = None) -> None:
+    def __init__(self, study: Study, beside: Path = Path()) -> None:
         self.tree: dict[str, Any] = {}
-        self.received: list[str] = []
+        self.received: list[tuple[int, str]] = []
         self.number = 0
         self.seat = GameSeat(self._connect, texts_of(study, beside), clock=lambda: self.now)
-        super().__init__(study, TabUI(self, self))
+        super().__init__(study, TabUI(self, self), beside)
         self._connection.report(ReceivedEvent(0.0, ServerReached()))
         self.connect()
 
@@ -80,7 +82,7 @@ class BrowserPerson(Person):
 
     def _receive(self, message: dict[str, Json]) -> None:
         text = encoded(message)
-        self.received.append(text)
+        self.received.append((len(self.game.log.entries), text))
         read = json.loads(text)
         if read["t"] == "page":
             self.tree = applied(self.tree, read["p"])

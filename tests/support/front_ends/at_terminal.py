@@ -3,10 +3,12 @@
 import copy
 import re
 from collections.abc import Iterator
+from typing import Any
 
 from tests.support.front_ends.person import Person
 from tests.support.front_ends.shown import Deed, Shown
 from thbridge.app.compose.setting import texts_of
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.participant_rules import judge, revealed
 from thbridge.roles.shared.view import (
@@ -43,9 +45,6 @@ from ui.model.playing.screen import (
     TellPropertyAct,
 )
 
-SENTINEL = 98765
-"""Number in a text at whose place any number is read."""
-
 
 class TerminalPerson(Person):
     """Person at the terminal.
@@ -61,7 +60,7 @@ class TerminalPerson(Person):
         super().__init__(study, TabUI(self.player))
 
     @property
-    def texts(self):  # noqa: ANN201
+    def texts(self) -> Texts:
         """Texts of the game's language."""
         return self.tabui.texts or self._first_texts
 
@@ -89,7 +88,7 @@ class TerminalPerson(Person):
         del self.lines[before:]
         return lines
 
-    def line_for(self, act: Act, page: dict, picked: str | None) -> str:
+    def line_for(self, act: Act, page: dict[str, Any], picked: str | None) -> str:
         """Return the command for an act on a page of the same game; empty if it has none.
 
         Args:
@@ -163,7 +162,8 @@ class TerminalPerson(Person):
     def _request(self, line: str) -> ParticipantRequest | None:
         """Return the request of a command without sending it; None if the terminal does not understand it."""
         probe = copy.copy(self.player)
-        probe.show, probe._names = lambda _line: None, dict(self.player._names)
+        probe.show = lambda _line: None
+        probe._names = dict(self.player._names)
         usual = len(probe.requests(self.view))
         probe.type(line)
         wanted = probe.requests(self.view)
@@ -180,7 +180,9 @@ class TerminalPerson(Person):
             yield from (f"p {room}", f"n {room} ?", f"l {room}", f"u {room}")
             yield from (f"n {room} {view.word_for(name)}" for name in view.names)
             yield from (f"m {room} {each.name}" for each in view.properties)
-            yield from (f"t {room} {each.name} {each.shown(value)}" for each in view.properties for value in each.values)
+            yield from (
+                f"t {room} {each.name} {each.shown(value)}" for each in view.properties for value in each.values
+            )
         yield "end"
 
     def _deed(self, request: ParticipantRequest) -> Deed:
@@ -213,7 +215,7 @@ class TerminalPerson(Person):
         raise AssertionError(request)
 
 
-def deeds_on(page: dict, shown: Shown, texts) -> set[Deed]:  # noqa: ANN001
+def deeds_on(page: dict[str, Any], shown: Shown, texts: Texts) -> set[Deed]:
     """Return everything that a person can do on a page with its buttons, as `TerminalPerson.deeds` does."""
     robot = next(card["robot"] for card in page["cards"] if card["selected"])
     pop = page["treasure"] or {}

@@ -60,7 +60,10 @@ class WindowPerson(Person):
         self.window.refresh()
 
     def press(self, act: Act) -> None:
-        """Click the button of an act, or the name in the list."""
+        """Click the button of an act, or the name in the list. If the act is impossible, press its key.
+
+        A click on such a button shows the reason next to it, and a key shows it in the banner.
+        """
         QApplication.processEvents()
         if isinstance(act, PickName):
             names = self.window.treasure.names
@@ -70,6 +73,9 @@ class WindowPerson(Person):
             QTest.mouseClick(names.viewport(), Qt.MouseButton.LeftButton, pos=names.visualItemRect(item).center())
             return
         button = next(each for each in _buttons(self.window) if each.act == act)
+        if button.face is not None and not button.face.enabled:
+            self.window.do(act)
+            return
         self._bring_into_sight(button)
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
 
@@ -89,7 +95,7 @@ class WindowPerson(Person):
 
 
 def read_window(window: ParticipantWindow, texts: Texts) -> Shown:
-    """Return what the window shows. It adds keys to the help sheet that only a window on a desktop has."""
+    """Return what the window shows, without the keys on the help sheet that a browser has for itself."""
     shown = Shown()
     for button in _buttons(window):
         face = button.face
@@ -141,10 +147,11 @@ def _read_help(sheet: TitledPanel, texts: Texts, shown: Shown) -> None:
     keys = [cap.accessibleName() for cap in _visible(sheet, KeyCap)]
     lines = _labels(sheet)[1:]
     rules, effects = lines[: len(lines) - len(keys)], lines[len(lines) - len(keys) :]
-    own = {f"{key} {effect}" for key, effect in window_keys(texts)}
+    # A browser has Ctrl+Tab and Ctrl+Q for itself.
+    part, *_, close = window_keys(texts)
+    lines = [(key, effect) for key, effect in zip(keys, effects, strict=True) if (key, effect) != close]
     shown.put("rules", *rules)
-    shown.put("help", *(f"{key} {effect}" for key, effect in zip(keys, effects, strict=True)))
-    shown.words["help"] = tuple(line for line in shown.words["help"] if line not in own)
+    shown.put("help", *(f"{'F6' if (key, effect) == part else key} {effect}" for key, effect in lines))
 
 
 def _buttons(window: QWidget) -> list[ParticipantButton]:

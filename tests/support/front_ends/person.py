@@ -2,6 +2,7 @@
 person."""
 
 from abc import ABC, abstractmethod
+from pathlib import Path
 
 from tests.support.hunts.study_without_simulator import StudyWithoutSimulator
 from thbridge.roles.participant.tabui import TabUI
@@ -21,10 +22,10 @@ class Person(ABC):
         game: the game.
     """
 
-    def __init__(self, study: Study, tabui: TabUI) -> None:
+    def __init__(self, study: Study, tabui: TabUI, beside: Path = Path()) -> None:
         self.now = 0.0
         self.tabui = tabui
-        self.game = StudyWithoutSimulator(study, tabui)
+        self.game = StudyWithoutSimulator(study, tabui, beside=beside)
 
     def wait(self, ticks: int) -> None:
         """Let the game and the front end go on."""

@@ -1,7 +1,6 @@
 """What a front end shows and offers, read from its own surface, in the same form for all front ends."""
 
 from dataclasses import dataclass, field
-
 from typing import TypeAlias
 
 from ui.model.playing.screen import Act

@@ -46,13 +46,14 @@ class StudyWithoutSimulator:
         study: the study.
         participant: role of the participant; the router sends them what the game reveals.
         ticks: duration of a move in ticks.
+        beside: folder to which paths in the study are relative.
 
     Attributes:
         log: events of the game.
     """
 
-    def __init__(self, study: Study, participant: Role, ticks: int = 30) -> None:
-        self.setting = read_setting(study, Path())
+    def __init__(self, study: Study, participant: Role, ticks: int = 30, beside: Path = Path()) -> None:
+        self.setting = read_setting(study, beside)
         self.log = Log()
         self.puppets = SeenPuppets(study.robots, plain_costs(self.setting.costs), ticks, self.setting.map.name)
         hider = build_hider(self.setting.templates, study.seed)

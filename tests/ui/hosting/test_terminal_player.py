@@ -178,7 +178,33 @@ def test_a_person_is_told_whose_a_robot_is(seat):
 
 
 def test_a_person_may_end_the_game(seat):
-    assert seat.type("end") == ["The game is over. Score 0."]
+    assert seat.type("end") == [
+        "The game is over. Score 0.",
+        "You have ended the game.",
+        "0 of 8 rooms visited. No treasures named.",
+        "Thank you for playing.",
+    ]
+
+
+def test_what_has_no_effect_is_said(seat):
+    assert seat.type("a 1") == ["You command robot 1 yourself."]
+    assert seat.type("u 3") == ["No robot is in room 3."]
+    for line in ("1 3", "c"):
+        seat.type(line)
+    seat.type("c", 40)
+    assert seat.type("u 3") == ["There is nothing to undo: robot 1 is not at a treasure that you left."]
+    seat.hunt.session.ask("station", TakeCommand(0, "ground station 255"))
+    seat.hunt.run(10)
+    seat.type("a 1")
+    assert seat.type("a 1") == ["You have just asked for robot 1. You can ask again in a few seconds."]
+
+
+def test_a_person_is_told_what_a_robot_that_stops_gets_back(seat):
+    for line in ("1 3", "c"):
+        seat.type(line)
+    seat.type("c", 4)
+    (stopped,) = seat.type("b 1", 20)
+    assert re.fullmatch(r"Robot 1 has stopped before room 3\. It gets [\d.]+ energy back\.", stopped)
 
 
 def test_a_person_is_asked_to_take_part_before_anything_else():
@@ -301,7 +327,7 @@ def test_a_person_plays_in_the_games_language():
     seat.type("c")
     assert seat.type("c", 20)[0] == "Roboter 1 fährt zu Raum 3; er hat noch 83 Energie."
     assert "Mit „n 3 NAME“ benennen Sie den Schatz." in seat.shown[-1]
-    assert seat.type("ende")[-1] == "Das Spiel ist zu Ende. Punktestand: 0."
+    assert seat.type("ende")[0] == "Das Spiel ist zu Ende. Punktestand: 0."
 
 
 @pytest.mark.parametrize(("typed", "agrees"), [("ja", True), ("Yes.", True), ("Nein", False), ("vielleicht", None)])

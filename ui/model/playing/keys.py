@@ -261,6 +261,15 @@ def help_lines(
     return tuple(lines)
 
 
+def button_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
+    """Return the keys that move from button to button and change the size of text, as lines of the help sheet."""
+    ctrl, space, enter = (shown_key(texts, key) for key in ("Ctrl", "Space", "Enter"))
+    return (
+        (texts.text("pages.keys_arrows"), texts.text("pages.key_arrows", space=space, enter=enter)),
+        (texts.text("pages.keys_text", ctrl=ctrl), texts.text("pages.key_text", ctrl=ctrl)),
+    )
+
+
 def _key_name(texts: Texts, key: str) -> str:
     name = f"keys.key_{key.lower()}"
     return texts.text(name) if texts.has(name) else key

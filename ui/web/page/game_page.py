@@ -16,7 +16,7 @@ from sim.common.robot_numbers import number_of
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.properties import PropertyDrawing
 from thbridge.roles.shared.notices import Ellipse
-from ui.model.playing.keys import HELP, act_for, shown_key
+from ui.model.playing.keys import HELP, act_for, button_keys, shown_key
 from ui.model.playing.screen import (
     Act,
     Action,
@@ -445,7 +445,9 @@ class BrowserPageMaker:
             waiting=kept(
                 "waiting",
                 waiting,
-                lambda items: tuple(PageWaiting(item.robot, item.text, button.one(item.show, item.text)) for item in items),
+                lambda items: tuple(
+                    PageWaiting(item.robot, item.text, button.one(item.show, item.text)) for item in items
+                ),
             ),
             history=kept(
                 "history",
@@ -459,7 +461,7 @@ class BrowserPageMaker:
             question=_question(button, screen),
             ending=None if ending is None else PageQuestion(ending.title, ending.lines, (button.one(ending.again),)),
             rules=screen.rules,
-            help=screen.help,
+            help=(*screen.help, ("F6", texts.text("pages.key_next_part")), *button_keys(texts)) if screen.help else (),
             close_help=button.one(Action(ShowHelp(), texts.text("popups.close"), HELP.keys[0])),
             enlarged=self._picture_id(screen.enlarged),
             followed=followed,

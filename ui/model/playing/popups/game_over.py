@@ -14,6 +14,15 @@ from ui.model.shared.points import scored
 def game_over_page(hunt: HuntMemory, once: bool) -> GameOverPage:
     """Return the page with the results and the reason for the end; `once` is True if no other game follows."""
     texts, view = hunt.texts, hunt.view
+    busy = PlayAgain(view.game) in hunt.pending
+    again = keyed(PlayAgainAct(), texts.text("game_over.again"), not busy, texts.text("game_over.again_hint"), busy)
+    if once:
+        again = keyed(GoOnFromGame(), texts.text("game_over.go_on"))
+    return GameOverPage(texts.text("game_over.title", score=scored(view.score)), ending_lines(texts, view), again)
+
+
+def ending_lines(texts: Texts, view: View) -> tuple[str, ...]:
+    """Return the reason for the end of a game and its results, as sentences."""
     visited = sum(room.state == "visited" for room in view.rooms)
     debrief = view.debrief or Debrief()
     lines = [
@@ -25,11 +34,7 @@ def game_over_page(hunt: HuntMemory, once: bool) -> GameOverPage:
     was = {room.room: room for room in debrief.rooms}
     lines += [line for room in view.rooms if (line := _of_room(texts, view, room, was.get(room.room)))]
     lines.append(debrief.farewell or texts.text("game_over.thanks"))
-    busy = PlayAgain(view.game) in hunt.pending
-    again = keyed(PlayAgainAct(), texts.text("game_over.again"), not busy, texts.text("game_over.again_hint"), busy)
-    if once:
-        again = keyed(GoOnFromGame(), texts.text("game_over.go_on"))
-    return GameOverPage(texts.text("game_over.title", score=scored(view.score)), tuple(lines), again)
+    return tuple(lines)
 
 
 def _end(texts: Texts, reason: str) -> str:

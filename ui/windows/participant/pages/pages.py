@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
 )
 
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.playing.keys import keyed, shown_key
+from ui.model.playing.keys import button_keys, keyed, shown_key
 from ui.model.playing.screen import Action, Confirmation, DeclineConsentAct, GameOverPage, GiveConsentAct, ShowHelp
 from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, smooth_painter, spaced
@@ -32,12 +32,7 @@ FILLS = 1000
 
 def page_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
     """Return the keys that work on every page, with descriptions, for people who move from button to button."""
-    ctrl, space, enter = (shown_key(texts, key) for key in ("Ctrl", "Space", "Enter"))
-    return (
-        (texts.text("pages.keys_arrows"), texts.text("pages.key_arrows", space=space, enter=enter)),
-        (texts.text("pages.keys_text", ctrl=ctrl), texts.text("pages.key_text", ctrl=ctrl)),
-        (shown_key(texts, "Ctrl+Q"), texts.text("pages.key_close")),
-    )
+    return *button_keys(texts), (shown_key(texts, "Ctrl+Q"), texts.text("pages.key_close"))
 
 
 def window_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
