@@ -68,7 +68,9 @@ class WindowPerson(Person):
         if isinstance(act, PickName):
             names = self.window.treasure.names
             texts = [names.item(row) for row in range(names.count())]
-            item = next(each for each in texts if act.name and self._model_word(act.name) in each.text())
+            # A word at the beginning of a line has a capital letter.
+            word = self._word(act.name or "").casefold()
+            item = next(each for each in texts if each.text().casefold().startswith(word))
             names.scrollToItem(item)
             QTest.mouseClick(names.viewport(), Qt.MouseButton.LeftButton, pos=names.visualItemRect(item).center())
             return
@@ -79,7 +81,7 @@ class WindowPerson(Person):
         self._bring_into_sight(button)
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
 
-    def _model_word(self, name: str) -> str:
+    def _word(self, name: str) -> str:
         view = self.tabui.view
         return name if view is None else view.word_for(name)
 
@@ -145,8 +147,9 @@ def read_window(window: ParticipantWindow, texts: Texts) -> Shown:
 
 def _read_help(sheet: TitledPanel, texts: Texts, shown: Shown) -> None:
     keys = [cap.accessibleName() for cap in _visible(sheet, KeyCap)]
-    lines = _labels(sheet)[1:]
-    rules, effects = lines[: len(lines) - len(keys)], lines[len(lines) - len(keys) :]
+    texts_below = _labels(sheet)[1:]
+    count = len(texts_below) - len(keys)
+    rules, effects = texts_below[:count], texts_below[count:]
     # A browser has Ctrl+Tab and Ctrl+Q for itself.
     part, *_, close = window_keys(texts)
     lines = [(key, effect) for key, effect in zip(keys, effects, strict=True) if (key, effect) != close]
