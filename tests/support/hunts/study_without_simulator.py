@@ -14,7 +14,7 @@ from thbridge.roles.shared.role import Role
 from thbridge.study.study_file import Study
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import encode_notice
+from thbridge.text_protocol.wire.notice_format import encode_notice
 
 TELEMETRY_PERIOD = 10
 """Ticks between two messages about the robots' poses."""
