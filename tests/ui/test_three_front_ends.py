@@ -141,6 +141,7 @@ def play(three: ThreeFrontEnds, steps: int, choose: Callable[[list[Act]], Act | 
         three.step(Confirm() if three.page["question"] else end)
 
 
+@pytest.mark.slow
 def test_a_hunt_with_robots_that_argue(sit: Callable[[Study], ThreeFrontEnds]) -> None:
     three = sit(study(DialogueCondition.COLLABORATOR))
     done: Counter[object] = Counter()
