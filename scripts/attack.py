@@ -36,6 +36,8 @@ from functools import partial
 from pathlib import Path
 from typing import TypeAlias, cast
 
+import attack_browsers
+from attack_browsers import BrowserBreachError, PlayingPerson
 from free_ports import free_ports
 
 from sim.numerics.compiled_files import write
@@ -71,6 +73,7 @@ class Doors:
     udp: int
     ros: int
     foxglove: int
+    web: int
     node: int = 0
     tcpros: int = 0
 
@@ -91,8 +94,8 @@ class Doors:
 class Honest(threading.Thread):
     """Thread that runs honest programs during an attack; some of them open a new connection for each request.
 
-    They are a participant's program, a client with a key, a researcher, a ground station, and ROS tools at the master
-    and a node.
+    They are a participant's program, a client with a key, a researcher, a ground station, ROS tools at the master and a
+    node, and a person who plays a game in a browser.
 
     Attributes:
         wait: longest waiting time of a program since `wait` was last reset, seconds.
@@ -120,6 +123,7 @@ class Honest(threading.Thread):
             "MAVLink": self._beat,
             "master": lambda: self._call(self._doors.ros),
             "node": lambda: self._call(self._doors.node),
+            "browser": PlayingPerson(self._doors.web).go_on,
         }
         while not self._stopped.wait(0.1):
             for name, ask in people.items():
@@ -650,6 +654,46 @@ def crowds_and_floods(doors: Doors, outside: Outside, scale: int) -> Iterator[At
     yield "MAVLink: megabytes by UDP", partial(outside, partial(shower, doors.udp, b"\xfd" * 60_000, 17 * megabytes))
 
 
+def attacks_on_browsers(doors: Doors, outside: Outside, draws: random.Random, scale: int) -> Iterator[Attack]:
+    """Yield attacks on the port for browsers."""
+    port, line = doors.web, b"x" * 2**20
+    head = f"GET / HTTP/1.1\r\nHost: {HOST}:{port}\r\n".encode()
+    post = head.replace(b"GET", b"POST")
+    long = 100 * 2**20
+    deflate = "Sec-WebSocket-Extensions: permessage-deflate; client_max_window_bits\r\n"
+    empty = attack_browsers.frame(b"{", 1) + 1000 * attack_browsers.frame(b"", 0)
+    wrong = attack_browsers.wrong_messages(draws)
+    yield "web: forged origins", lambda: attack_browsers.forged_origins(port, 20 * scale)
+    yield "web: guessed cookies", lambda: attack_browsers.guessed_cookies(port, 20 * scale)
+    yield "web: guessed keys of the researcher", lambda: attack_browsers.guessed_keys(port, 20 * scale)
+    yield "web: visitors who never connect", lambda: attack_browsers.many_visitors(port, 100 * scale)
+    yield "web: many sockets with one secret", lambda: attack_browsers.one_secret(port, 20 * scale)
+    yield "web: malformed and nested messages", lambda: attack_browsers.said_on_sockets(port, wrong, 20 * scale)
+    yield "web: scripts in texts", lambda: attack_browsers.scripts_in_texts(port)
+    frames: dict[str, tuple[bytes, int, str]] = {
+        "web: a frame of 100 MB": (attack_browsers.frame(line, 0x81, long), 100, ""),
+        "web: frames of 60 kB": (attack_browsers.frame(b"x" * 60_000, 0x81), 1000 * scale, ""),
+        "web: tiny frames": (1000 * attack_browsers.frame(b"{}", 0x81), 100 * scale, ""),
+        "web: empty pieces of one message": (empty, 100, ""),
+        "web: compressed bombs": (attack_browsers.bomb(), 10 * scale, deflate),
+    }
+    for name, (data, times, extensions) in frames.items():
+        yield name, partial(attack_browsers.raw_frames, port, data, times, extensions)
+    yield "web: slow headers", lambda: attack_browsers.slowly(port, head, b"X-A: a\r\n", 200 * scale, 12.0)
+    body = post + b"Content-Length: 99999999\r\n\r\n"
+    yield "web: slow bodies", lambda: attack_browsers.slowly(port, body, b"x", 200 * scale, 5.0)
+    yield "web: successive connections", lambda: turned_away(port, 1000 * scale)
+    yield "web: noise", lambda: noise(port, draws)
+    yield "web: many connections at once", partial(outside, partial(crowd, port, 1000 * scale, 6.0))
+    for name, begin, piece in (
+        ("header", head + b"X-Long: ", line),
+        ("headers", head, b"X-Short: x\r\n" * 2**16),
+        ("body", body, line),
+        ("chunks", post + b"Transfer-Encoding: chunked\r\n\r\n", b"100000\r\n" + line + b"\r\n"),
+    ):
+        yield f"web: megabytes of {name}", partial(outside, partial(pour, port, begin, piece, 30 * scale, 30.0))
+
+
 def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int, folder: Path) -> list[Attack]:
     """Return all attacks with their names. Scale 1 is quick, 10 is the original size; the session runs in `folder`."""
     may_give_away = os.geteuid() == 0
@@ -698,6 +742,7 @@ def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int, fo
         ("files: links at the path of a recording", lambda: links_in_a_recording(folder)),
         *([("files: links of another account", links_of_others)] if may_give_away else []),
         *crowds_and_floods(doors, outside, scale),
+        *attacks_on_browsers(doors, outside, draws, scale),
     ]
 
 
@@ -769,26 +814,36 @@ class Held:
 
 
 def assault(
-    doors: Doors, session: subprocess.Popen[bytes], seed: int, scale: int, only: str, folder: Path
+    doors: Doors,
+    session: subprocess.Popen[bytes],
+    gateway: subprocess.Popen[bytes],
+    seed: int,
+    scale: int,
+    only: str,
+    folder: Path,
 ) -> list[Held]:
-    """Run all attacks, one after the other, on a session that runs in a folder."""
-    honest, outside, gauge, held = Honest(doors), Outside(), Gauge(session), []
+    """Run all attacks, one after the other, on a session that runs in a folder, and on a gateway for browsers."""
+    honest, outside, held = Honest(doors), Outside(), []
+    gauges = {each: Gauge(each) for each in (session, gateway)}
     honest.start()
-    gauge.start()
+    for each in gauges.values():
+        each.start()
     for name, attack in attacks(doors, outside, random.Random(seed), scale, folder):
         if only not in name:
             continue
         time.sleep(1.0)
+        attacked = gateway if name.startswith("web:") else session
+        gauge = gauges[attacked]
         before, lagged = gauge.look(), honest.lag
         honest.wait, honest.refused, honest.slowest = 0.0, 0, ""
         gauge.memory, gauge.descriptors, outside.cut = before, 0, 0
         tries, breached = 0, False
         try:
             tries = asyncio.run(attack())
-        except BreachError:
+        except (BreachError, BrowserBreachError):
             breached = True
         time.sleep(1.5)
-        running = session.poll() is None
+        running = attacked.poll() is None
         held.append(
             Held(
                 attack=name,
@@ -832,7 +887,7 @@ def main() -> int:
         "--descriptors", type=int, help="limit of the session's descriptors (default: the system's limit)"
     )
     given = parser.parse_args()
-    doors = Doors(*free_ports(6))
+    doors = Doors(*free_ports(7))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         KeyRing(folder / "keys", utc_now).add("honest", [Right.ADMIN], KEY, None)
@@ -854,20 +909,24 @@ def main() -> int:
             )
         if given.descriptors:
             resource.prlimit(session.pid, resource.RLIMIT_NOFILE, (given.descriptors, given.descriptors))
+        gateway: subprocess.Popen[bytes] | None = None
         try:
             while "join at" not in output.read_text():
                 if session.poll() is not None:
                     print(output.read_text())
                     return 1
                 time.sleep(0.1)
+            gateway = attack_browsers.serve(folder, doors.web)
             titles = f"{'wait':>10} {'client':<8} {'lag':>9} {'refused':>7} {'closed':>6} {'memory':>10} {'files':>5}"
             print(f"{'attack':<45} {'tries':>7} {titles}  outcome")
-            held = assault(doors.with_node(), session, given.seed, given.scale, given.only, folder)
+            held = assault(doors.with_node(), session, gateway, given.seed, given.scale, given.only, folder)
         finally:
-            if session.poll() is None:
-                session.send_signal(signal.SIGTERM)
-            session.wait(60)
-        text = output.read_text()
+            for process in (gateway, session):
+                if process is not None and process.poll() is None:
+                    process.send_signal(signal.SIGTERM)
+                if process is not None:
+                    process.wait(60)
+        text = output.read_text() + (folder / "serve.txt").read_text()
         parts = len(list(folder.glob("hunt_*.bag")))
         recorded = parts > 1 and not list(folder.glob("*.active"))
     traceback = "Traceback" in text

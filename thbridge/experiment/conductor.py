@@ -57,6 +57,11 @@ class Conductor:
         self.listeners: list[Callable[[LoggedEvent], None]] = []
         """Functions that receive each event after it was added to the log and to `progress`."""
 
+    @property
+    def entries(self) -> Sequence[LogEntry]:
+        """All entries of the log; each call reads the whole log."""
+        return self._log.read()
+
     def admit(
         self,
         external_id: str = "",
@@ -165,9 +170,25 @@ class Conductor:
             data["absent"] = True
         self._append(EventKind.RUN_ENDED, actor, participant, data=data)
 
-    def exclude(self, participant: str, reason: str) -> None:
-        """Exclude a run: it no longer counts, and its place becomes free."""
-        self._append(EventKind.RUN_EXCLUDED, "experimenter", participant, data={"reason": reason})
+    def exclude(self, participant: str, reason: str, author: str = "") -> None:
+        """Exclude a run: it no longer counts, and its place becomes free.
+
+        Args:
+            participant: id of the person.
+            reason: reason for the log.
+            author: name of the experimenter; may be empty.
+        """
+        data: dict[str, JsonValue] = {"reason": reason, **({"author": author} if author else {})}
+        self._append(EventKind.RUN_EXCLUDED, "experimenter", participant, data=data)
+
+    def message(self, participant: str, text: str, author: str) -> None:
+        """Log a message of an experimenter to a person."""
+        self._append(EventKind.MESSAGE_SENT, "experimenter", participant, data={"text": text, "author": author})
+
+    def set_admission(self, is_open: bool, author: str) -> None:
+        """Open or close admission; an experimenter's name is the author."""
+        kind = EventKind.ADMISSION_OPENED if is_open else EventKind.ADMISSION_CLOSED
+        self._append(kind, "experimenter", "", data={"author": author})
 
     def rehearse(self, seed: int) -> None:
         """Log that simulated people take part from now on, with their random seed."""

@@ -165,11 +165,13 @@ class Progress:
         design: the experiment.
         runs: run of each person, by the person's id.
         sequence: number of the last event.
+        admits: False while admission is closed.
     """
 
     design: ExperimentDesign
     runs: Mapping[str, Run] = field(default_factory=dict)
     sequence: int = 0
+    admits: bool = True
 
     @property
     def valid(self) -> frozenset[int]:
@@ -187,7 +189,8 @@ class Progress:
 
     def next_place(self) -> Place | NoPlace:
         """Return the place for the next person."""
-        return self.design.allocation.next(self.valid, self.under_way)
+        place = self.design.allocation.next(self.valid, self.under_way)
+        return place if self.admits or place is NoPlace.FULL else NoPlace.CLOSED
 
     def next_step(self, participant: str) -> PlannedStep | None:
         """Return the person's current step, or None if all steps are done or the run has ended."""
@@ -240,15 +243,17 @@ class Progress:
         Raises:
             BadHistory: an event is not possible after the earlier events.
         """
-        runs, sequence = dict(self.runs), self.sequence
+        runs, sequence, admits = dict(self.runs), self.sequence, self.admits
         for entry in entries:
             sequence = entry.sequence
             if isinstance(entry, LoggedEvent):
+                if entry.event.kind in {EventKind.ADMISSION_CLOSED, EventKind.ADMISSION_OPENED}:
+                    admits = entry.event.kind == EventKind.ADMISSION_OPENED
                 try:
                     self._take(runs, entry.event)
                 except _CannotFollowError as fault:
                     raise BadHistory(self.design.path, str(fault)) from None
-        return dataclasses.replace(self, runs=runs, sequence=sequence)
+        return dataclasses.replace(self, runs=runs, sequence=sequence, admits=admits)
 
     def _take(self, runs: dict[str, Run], event: NewEvent) -> None:
         data, person = event.data or {}, event.participant

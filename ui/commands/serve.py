@@ -31,6 +31,13 @@ def serve(
     ] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="TCP port; 0 is any free port.", min=0, max=65535)] = 8080,
     open_to: OpenTo = None,
+    keys: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder of keys (see `thbridge keys new`) for the researcher's page of a study with people. Without "
+            "it, the command prints a link with a random key."
+        ),
+    ] = None,
     games: Annotated[int, typer.Option(help="Greatest number of games at the same time.", min=1)] = 8,
     bags: Annotated[Path, typer.Option(help="Folder for recordings of games without a study folder.")] = Path("served"),
     tls_cert: Annotated[Path | None, typer.Option(help="Certificate of the server, a PEM file, for HTTPS.")] = None,
@@ -56,10 +63,12 @@ def serve(
     from thbridge.files.disk.synced import make_folder
     from thbridge.sockets.addresses import Address
     from thbridge.sockets.admission import Admission
+    from thbridge.sockets.keys import SingleKey
     from thbridge.sockets.tls import browser_context
     from thbridge.study.study_file import Study
     from ui.command_line.event_loop import run
     from ui.command_line.kept_running import keep_running
+    from ui.command_line.keys import keys_of
     from ui.command_line.networks import check_browsers, check_networks
     from ui.command_line.settings import note_doubts, setting_of, study_of
     from ui.first_start.compiling import compile_ahead
@@ -85,21 +94,31 @@ def serve(
     with bad_input():
         tls = None if tls_cert is None or tls_key is None else browser_context(tls_cert, tls_key)
 
-    def options(study: Study) -> ServerOptions:
+    is_study = served is not None and served.is_dir()
+
+    def options(study: Study, file: Path | None) -> ServerOptions:
         """Return the options of the gateway; its port is taken from now on."""
+        ring, secret = keys_of(study, file, keys), secrets.token_urlsafe(24)
         networks = tuple(open_to or study.open_to)
         check_browsers(host, networks, encrypted=tls is not None)
         listening = _listen(host, port)
         shown = f"http{'' if tls is None else 's'}://{Address(host, listening.getsockname()[1])}/"
-        ready = partial(note, f"Open {shown} in a browser.")
-        return ServerOptions(listening, games, tls, ready, Admission.to(networks), tuple(proxy or ()), running)
+        told = f"Open {shown} in a browser."
+        if is_study:
+            how = f"#{secret}" if ring is None else " (with a key that may watch)"
+            told += f"\nThe researcher's page: {shown}desk{how}"
+        ready, admission = partial(note, told), Admission.to(networks)
+        desk_keys = SingleKey(secret) if ring is None else ring
+        return ServerOptions(
+            listening, games, tls, ready, admission, tuple(proxy or ()), running=running, keys=desk_keys
+        )
 
-    if served is not None and served.is_dir():
+    if served is not None and is_study:
         _serve_folder(served, options)
         return
     study = study_of(served, {})
     note_doubts(setting_of(study, served))
-    chosen = options(study)
+    chosen = options(study, served)
     compile_ahead(whole_hunt=True)
     keep_running()
 
@@ -110,7 +129,7 @@ def serve(
     run(serve_games(study, served, new_bag, chosen))
 
 
-def _serve_folder(folder: Path, options: "Callable[[Study], ServerOptions]") -> None:
+def _serve_folder(folder: Path, options: "Callable[[Study, Path | None], ServerOptions]") -> None:
     from thbridge.experiment.check import read_for_people
     from thbridge.experiment.conductor import Conductor
     from thbridge.experiment.design.recruiting import link_codes
@@ -130,7 +149,7 @@ def _serve_folder(folder: Path, options: "Callable[[Study], ServerOptions]") -> 
         place, clock = ExperimentFolder(folder), VisitClock()
         design = read_for_people(place)
         codes = link_codes(design.file.recruiting, place.root)
-    chosen = options(design.study)
+    chosen = options(design.study, design.path)
     compile_ahead(whole_hunt=True)
     keep_running()
     with bad_input():

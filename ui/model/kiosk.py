@@ -224,6 +224,12 @@ class GameRecorded(msgspec.Struct, frozen=True, tag=True):
     progress: StudyProgress = StudyProgress()
 
 
+class ResearcherMessage(msgspec.Struct, frozen=True, tag=True):
+    """Host: show a message of the researcher above the page until the person closes it, or until the next message."""
+
+    text: str
+
+
 class CloseKiosk(msgspec.Struct, frozen=True, tag=True):
     """Host: close the window. The host ends normally, and no run is in progress."""
 
@@ -294,6 +300,10 @@ class InstructionsNews(msgspec.Struct, frozen=True, tag=True):
     window_ns: int
 
 
+class MessageClosed(msgspec.Struct, frozen=True, tag=True):
+    """Window: the person has closed the message of the researcher."""
+
+
 class GameSeenOver(msgspec.Struct, frozen=True, tag=True):
     """Window: the end of the game is shown, and the game is no longer needed."""
 
@@ -324,6 +334,7 @@ ToKiosk: TypeAlias = (
     | GameNews
     | InstructionsSoFar
     | GameRecorded
+    | ResearcherMessage
     | CloseKiosk
     | HostStops
 )
@@ -334,6 +345,7 @@ FromKiosk: TypeAlias = (
     | ItemNews
     | FocusNews
     | InstructionsNews
+    | MessageClosed
     | GameSeenOver
     | StoppedTakingPart
     | BeginNext
@@ -351,16 +363,17 @@ def _answered(form: FormToFill, kept: AnswerKept) -> FormToFill:
 def _kept(before: Sequence[ToKiosk], message: ToKiosk) -> Sequence[ToKiosk]:
     """Return the messages that a reopened window needs.
 
-    These are the texts, the last page with the logged answers of its form, the last news of a game, and the
-    instructions.
+    These are the texts, the last page with the logged answers of its form, the last news of a game, the instructions,
+    and the last message of the researcher.
     """
     match message:
-        case GameNews() | InstructionsSoFar():
+        case GameNews() | InstructionsSoFar() | ResearcherMessage():
             return [*(one for one in before if type(one) is not type(message)), message]
         case AnswerKept():
             return [_answered(one, message) if isinstance(one, FormToFill) else one for one in before]
         case _:
-            return [*(one for one in before if isinstance(one, StudyTexts | InstructionsSoFar)), message]
+            lasting = StudyTexts | InstructionsSoFar | ResearcherMessage
+            return [*(one for one in before if isinstance(one, lasting)), message]
 
 
 KIOSK = WindowProtocol(msgspec.json.Decoder(ToKiosk), msgspec.json.Decoder(FromKiosk), KioskClosed(), _kept)

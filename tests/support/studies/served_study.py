@@ -5,6 +5,7 @@ import secrets
 import socket
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 
 from thbridge.experiment.conductor import Conductor
@@ -17,8 +18,13 @@ from ui.web.pool.running_games import RunningGames
 
 
 @asynccontextmanager
-async def served(folder: Path, running: RunningGames | None = None) -> AsyncIterator[tuple[int, Conductor]]:
-    """Serve the study in a folder; yield the port and the conductor. Games outlive the server if `running` is given."""
+async def served(
+    folder: Path, running: RunningGames | None = None, **changes: object
+) -> AsyncIterator[tuple[int, Conductor]]:
+    """Serve the study in a folder; yield the port and the conductor. Games outlive the server if `running` is given.
+
+    `changes` are changes of the gateway's options.
+    """
     place, clock = ExperimentFolder(folder), VisitClock()
     design = place.read()
     codes = link_codes(design.file.recruiting, folder)
@@ -27,6 +33,7 @@ async def served(folder: Path, running: RunningGames | None = None) -> AsyncIter
         conductor = Conductor(design, log, clock, secrets.randbelow)
         listening, ready = socket.create_server(("127.0.0.1", 0)), asyncio.Event()
         options = ServerOptions(listening, 2, None, ready.set, running=running)
+        options = replace(options, **changes)  # type: ignore[arg-type]
         problems: list[str] = []
         serving = asyncio.create_task(serve_study(place, design, conductor, clock, problems.append, options, codes))
         await asyncio.wait([serving, asyncio.create_task(ready.wait())], return_when=asyncio.FIRST_COMPLETED)

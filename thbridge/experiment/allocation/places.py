@@ -35,6 +35,8 @@ class NoPlace(StrEnum):
     """The quota of valid runs is reached."""
     TAKEN = "taken"
     """All places are taken. A place may become free, because some runs are still in progress."""
+    CLOSED = "closed"
+    """The researcher has closed admission."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -155,9 +155,17 @@ class EventKind(StrEnum):
     """Data: `outcome`, `reason`. For a complete run, also `code`: the completion code. For a complete run that does not
     count, also `excluded`: the reason. For a person who was absent for too long, also `absent`: true."""
     RUN_EXCLUDED = "run-excluded"
-    """The experimenter excluded a run. Data: `reason`."""
+    """The experimenter excluded a run. Data: `reason`; `author` if it is known."""
     REHEARSED = "rehearsed"
     """Simulated people take part from now on. Data: `seed`."""
+    ADMISSION_CLOSED = "admission-closed"
+    """The experimenter has closed admission: no new person can begin. Data: `author`."""
+    ADMISSION_OPENED = "admission-opened"
+    """The experimenter has opened admission again. Data: `author`."""
+    MESSAGE_SENT = "message-sent"
+    """The experimenter has sent a message to a person. Data: `text`, `author`."""
+    MESSAGE_CLOSED = "message-closed"
+    """A person has closed a message of the experimenter."""
     NOTE = "note"
     """Note of the experimenter. Data: `text`."""
 

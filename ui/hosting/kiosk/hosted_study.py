@@ -6,8 +6,10 @@ from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor, unfinished
 from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.events import LoggedEvent, RunState
+from thbridge.files.language_texts import shipped_texts
 from ui.hosting.kiosk import words
 from ui.hosting.kiosk.pages import KioskPages
+from ui.hosting.kiosk.study_actions import StudyActions
 
 
 class HostedStudy:
@@ -25,6 +27,7 @@ class HostedStudy:
         self.changed: Callable[[], None] = lambda: None
         self._conductor = conductor
         self._pages = pages
+        self._actions = StudyActions(conductor, shipped_texts(), lambda _: pages.wake())
         pages.changed = self._notify
         conductor.listeners.append(self._notify)
 
@@ -68,26 +71,11 @@ class HostedStudy:
 
     def exclude(self, participant: str, reason: str) -> str | None:
         """Exclude a run from the data. If the run is still under way, it ends, and the person is informed."""
-        if participant not in self.progress.runs:
-            return f"No participant has the id {participant}."
-        if self.progress.runs[participant].state is RunState.EXCLUDED:
-            return f"{participant} is already excluded."
-        if other := self._other_in(reason, participant):
-            return words.NAMES_OTHER.format(other)
-        self._conductor.exclude(participant, reason)
-        self._pages.wake()
-        return None
+        return self._actions.exclude(participant, reason)
 
     def end_run(self, participant: str, reason: str) -> str | None:
         """End a run, because the person left or cannot continue."""
-        run = self.progress.runs.get(participant)
-        if run is None or run.state is not RunState.UNDER_WAY:
-            return f"{participant} is not in the study now."
-        if other := self._other_in(reason, participant):
-            return words.NAMES_OTHER.format(other)
-        self._conductor.leave(participant, reason, actor="experimenter")
-        self._pages.wake()
-        return None
+        return self._actions.end_run(participant, reason)
 
     def busy_with(self, participant: str) -> str | None:
         """Return a sentence if a participant cannot withdraw, because they are at the kiosk; otherwise None."""
@@ -95,7 +83,3 @@ class HostedStudy:
         if participant == self._pages.person or (run is not None and run.state is RunState.UNDER_WAY):
             return f"{participant} is still at the kiosk. End the run first, then leave its last page."
         return None
-
-    def _other_in(self, reason: str, participant: str) -> str | None:
-        """Return another participant whose id is in a reason. The reason is kept even if that person withdraws."""
-        return next((other for other in self.progress.runs if other in reason and other != participant), None)

@@ -26,6 +26,7 @@ from ui.model.kiosk import (
     GameToJoin,
     InstructionsNews,
     KioskClosed,
+    MessageClosed,
     StoppedTakingPart,
     StudyProgress,
     TextToRead,
@@ -184,6 +185,10 @@ class KioskPages:
                 if self.person:
                     kind = EventKind.INSTRUCTIONS_OPENED if is_open else EventKind.INSTRUCTIONS_CLOSED
                     self.tell(kind, {"window_ns": window_ns})
+                return None
+            case MessageClosed():
+                if self.person:
+                    self.tell(EventKind.MESSAGE_CLOSED, {})
                 return None
             case StoppedTakingPart():
                 if self.person and self.run.state is RunState.UNDER_WAY:

@@ -19,7 +19,7 @@ from ui.model.kiosk import (
     TurnToAwait,
 )
 
-NO_PLACES = {NoPlace.FULL: "full", NoPlace.TAKEN: "taken"}
+NO_PLACES = {NoPlace.FULL: "full", NoPlace.TAKEN: "taken", NoPlace.CLOSED: "closed"}
 """Names of the texts for people who arrive when no place in the study is free."""
 
 # For the researcher
@@ -27,13 +27,12 @@ NO_PLACES = {NoPlace.FULL: "full", NoPlace.TAKEN: "taken"}
 NO_PLACE_TOLD = {
     NoPlace.FULL: "The study is complete.",
     NoPlace.TAKEN: "All places of the study are taken by people who are still in the study.",
+    NoPlace.CLOSED: "Admission is closed.",
 }
 """Reasons why the next person cannot begin."""
 
 LAGS = "This computer is too slow: the game is {} s behind real time. Close other programs."
 """Sentence about the lag of a game, in whole seconds."""
-
-NAMES_OTHER = "Do not name {} in the reason, because a reason is kept if this person withdraws. Write a note instead."
 
 
 def page(shown: ToKiosk) -> str:

@@ -45,6 +45,7 @@ class DeskRun(msgspec.Struct, frozen=True):
         minutes: minutes from the beginning of the run until its end or, during the run, until now.
         missing: ids of required items of the current form that have no answer.
         lag: largest lag of the person's games behind real time in seconds; None if unknown.
+        front_end: program in which the person takes part, as in `Run`; empty if it is unknown.
     """
 
     participant: str
@@ -61,6 +62,7 @@ class DeskRun(msgspec.Struct, frozen=True):
     minutes: float
     missing: tuple[str, ...] = ()
     lag: float | None = None
+    front_end: str = ""
 
 
 class DeskEvent(msgspec.Struct, frozen=True):
@@ -93,6 +95,24 @@ class DeskNote(msgspec.Struct, frozen=True):
     text: str
 
 
+class DeskMessage(msgspec.Struct, frozen=True):
+    """Message of an experimenter to a person.
+
+    Attributes:
+        wall: date and time of day, ISO 8601 in UTC.
+        participant: id of the person.
+        author: name of the experimenter.
+        text: the message.
+        closed: True if the person has closed the message.
+    """
+
+    wall: str
+    participant: str
+    author: str
+    text: str
+    closed: bool
+
+
 class DeskState(msgspec.Struct, frozen=True, tag=True):
     """Host: the contents of the desk.
 
@@ -106,6 +126,7 @@ class DeskState(msgspec.Struct, frozen=True, tag=True):
         kiosk: description of the page that the kiosk shows now; empty if unknown.
         troubles: sentences about problems that need attention.
         notes: notes of the experimenter, in the order of writing.
+        messages: messages to people, in the order of sending.
         shown: id of the person whose events are listed; empty if there is none.
         events: events of that person, in the order of time.
         no_next: reason why the next person cannot begin now; empty if the next person can begin.
@@ -123,6 +144,7 @@ class DeskState(msgspec.Struct, frozen=True, tag=True):
     kiosk: str = ""
     troubles: tuple[str, ...] = ()
     notes: tuple[DeskNote, ...] = ()
+    messages: tuple[DeskMessage, ...] = ()
     shown: str = ""
     events: tuple[DeskEvent, ...] = ()
     no_next: str = ""
@@ -168,11 +190,33 @@ class WithdrawRun(msgspec.Struct, frozen=True, tag=True):
     participant: str
 
 
+class MessagePeople(msgspec.Struct, frozen=True, tag=True):
+    """Desk: send a message to a person or, if `participant` is empty, to all people in the study."""
+
+    text: str
+    participant: str = ""
+
+
+class SetAdmission(msgspec.Struct, frozen=True, tag=True):
+    """Desk: open or close admission."""
+
+    is_open: bool
+
+
+class WatchRun(msgspec.Struct, frozen=True, tag=True):
+    """Desk: make the game of this person ready for `thbridge watch`."""
+
+    participant: str
+
+
 class DeskClosed(msgspec.Struct, frozen=True, tag=True):
     """Desk: the researcher closed the desk on purpose; the study continues."""
 
 
 FromDesk: TypeAlias = NextParticipant | ShowRun | WriteNote | ExcludeRun | EndRun | WithdrawRun | DeskClosed
+
+FromDeskPage: TypeAlias = ExcludeRun | EndRun | MessagePeople | SetAdmission | WatchRun
+"""Requests of the desk in a browser."""
 
 DESK: WindowProtocol[DeskState, FromDesk] = WindowProtocol(
     msgspec.json.Decoder(DeskState), msgspec.json.Decoder(FromDesk), DeskClosed(), lambda _, state: (state,)

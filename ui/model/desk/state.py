@@ -5,15 +5,18 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
+from msgspec.structs import replace
+
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.progress import Progress, Run, lag_words
 from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent, NewEvent, RunState
-from ui.model.desk.messages import DeskCell, DeskEvent, DeskNote, DeskRun, DeskState
+from ui.model.desk.messages import DeskCell, DeskEvent, DeskMessage, DeskNote, DeskRun, DeskState
 
 NO_PLACE = {
     NoPlace.FULL: "The study already has enough runs that count.",
     NoPlace.TAKEN: "All places are taken. If a run in progress ends and does not count, its place becomes free.",
+    NoPlace.CLOSED: "Admission is closed.",
 }
 _BEGINNINGS = frozenset({EventKind.STEP_BEGUN, EventKind.STEP_RESUMED})
 _BY_ITSELF = frozenset(EventKind) - {EventKind.NOTE, EventKind.FAREWELL_READ, EventKind.RUN_EXCLUDED}
@@ -74,6 +77,7 @@ def desk_state(
         kiosk=told.kiosk,
         troubles=told.troubles,
         notes=tuple(notes),
+        messages=tuple(_messages(entries)),
         shown=shown,
         events=tuple(_told_event(progress, entry) for entry in own[shown]) if shown else (),
         no_next=NO_PLACE[place] if isinstance(place, NoPlace) else "",
@@ -81,6 +85,22 @@ def desk_state(
         read_only=told.read_only,
         pace=" ".join(lag_words(progress)),
     )
+
+
+def _messages(entries: Iterable[LogEntry]) -> list[DeskMessage]:
+    """Return the messages to people. When a person closes a message, all their earlier messages are closed, too."""
+    messages: list[DeskMessage] = []
+    for entry in entries:
+        if not isinstance(entry, LoggedEvent):
+            continue
+        event = entry.event
+        data = event.data or {}
+        if event.kind == EventKind.MESSAGE_SENT:
+            author, text = str(data.get("author", "")), str(data.get("text", ""))
+            messages.append(DeskMessage(event.clocks.wall, event.participant, author, text, closed=False))
+        elif event.kind == EventKind.MESSAGE_CLOSED:
+            messages = [replace(it, closed=True) if it.participant == event.participant else it for it in messages]
+    return messages
 
 
 def _cells(design: ExperimentDesign, runs: Iterable[Run]) -> tuple[DeskCell, ...]:
@@ -126,6 +146,7 @@ def _run(progress: Progress, run: Run, events: Sequence[LoggedEvent], now: str) 
         minutes=_minutes(begun, until),
         missing=missing,
         lag=run.lag,
+        front_end=run.front_end,
     )
 
 
@@ -210,6 +231,10 @@ def _words(progress: Progress, event: NewEvent) -> str:
             return f"the run ends: {data.get('outcome', '')}" + (f", {why}" if why else "")
         case EventKind.RUN_EXCLUDED:
             return f"the run does not count: {data.get('reason', '')}"
+        case EventKind.MESSAGE_SENT:
+            return f"message of {data.get('author', '')}: {data.get('text', '')}"
+        case EventKind.MESSAGE_CLOSED:
+            return "the participant closes the message"
         case EventKind.NOTE:
             return f"note: {data.get('text', '')}"
         case kind:

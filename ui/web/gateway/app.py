@@ -19,6 +19,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from thbridge.dialogue.wording.texts import Texts
+from ui.web.gateway.desk import DeskSockets
 from ui.web.gateway.entry import EntryRefused, LinkFault
 from ui.web.gateway.limits import ClientLimits, network_of
 from ui.web.gateway.people import Tab, Visitor, Visitors
@@ -53,8 +54,11 @@ _TAB = re.compile(r"[0-9a-f]{16}")
 _PLACEHOLDER = re.compile(r"\{\{([\w.]+)\}\}")
 
 
-def application(visitors: Visitors, texts: Texts, limits: ClientLimits) -> Starlette:
-    """Return the application for these visitors, with texts for the page before it is connected."""
+def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: DeskSockets | None = None) -> Starlette:
+    """Return the application for these visitors, with texts for the page before it is connected.
+
+    If `desk` is None, there is no page for the researcher.
+    """
     index = _filled("index.html", texts, {})
     notices = {
         fault: _filled(
@@ -100,8 +104,23 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits) -> Starl
         else:
             await _serve(websocket, visitor, limits)
 
+    desk_page = _filled("desk.html", texts, {})
+
+    async def show_desk(_request: Request) -> Response:
+        return _guarded(HTMLResponse(desk_page))
+
+    async def desk_socket(websocket: WebSocket) -> None:
+        address = _address(websocket)
+        if desk is None or not (_same_origin(websocket) and limits.sockets.admits(address)):
+            await websocket.close()
+            return
+        await websocket.accept()
+        await desk.serve(websocket, address)
+
+    researcher = [Route("/desk", show_desk), WebSocketRoute("/desk/socket", desk_socket)]
     return Starlette(
         routes=[
+            *(researcher if desk is not None else ()),
             Route("/", page),
             Route("/theme.css", theme),
             WebSocketRoute("/socket", socket),

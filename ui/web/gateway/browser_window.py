@@ -8,7 +8,18 @@ from contextlib import asynccontextmanager
 import msgspec
 
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.kiosk import KIOSK, FromKiosk, GameSeenOver, GameToJoin, KioskClosed, StudyTexts, ToKiosk, WentOn
+from ui.model.kiosk import (
+    KIOSK,
+    FromKiosk,
+    GameSeenOver,
+    GameToJoin,
+    KioskClosed,
+    MessageClosed,
+    ResearcherMessage,
+    StudyTexts,
+    ToKiosk,
+    WentOn,
+)
 from ui.web.page.messages import FROM_GAME_PAGE
 from ui.web.page.patches import Json
 from ui.web.page.study_page import StudyPageMaker
@@ -89,6 +100,11 @@ class BrowserWindow:
             self._send_text(text)
 
     @property
+    def plays(self) -> bool:
+        """True while the person has a game."""
+        return self._game is not None
+
+    @property
     def absence(self) -> float:
         """Seconds since the browser was last connected; 0 while it is connected."""
         return 0.0 if self._gone_at is None else time.monotonic() - self._gone_at
@@ -125,6 +141,8 @@ class BrowserWindow:
                 self._game.pass_on(text)
             return
         message = KIOSK.decode_from_window(text.encode())
+        if isinstance(message, MessageClosed):
+            self._kept = [each for each in self._kept if not isinstance(each, ResearcherMessage)]
         if not isinstance(message, KioskClosed):  # Only the host may end the visit.
             self._requests.put_nowait(message)
 

@@ -4,11 +4,12 @@ import asyncio
 import contextlib
 import logging
 import math
+import secrets
 import socket
 import ssl
 import tempfile
 from collections.abc import AsyncIterator, Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from ipaddress import IPv4Network
 from pathlib import Path
 
@@ -20,10 +21,12 @@ from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.recruiting import LinkCodes
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.sockets.admission import OWN_MACHINE, Admission, parse_network
+from thbridge.sockets.keys import KeyVerifier, SingleKey
 from thbridge.sockets.listening import BACKLOG, ServerDoor
 from thbridge.study.study_file import Study
 from ui.web.gateway.app import application
 from ui.web.gateway.connections import LONGEST_HEAD, LONGEST_MESSAGE, MOST_CONNECTIONS, ConnectionGate, HttpConnection
+from ui.web.gateway.desk import DeskSockets, ServedDesk
 from ui.web.gateway.draining import DrainPort
 from ui.web.gateway.entry import StudyEntry, open_to_all
 from ui.web.gateway.game_queue import GameQueue
@@ -103,6 +106,7 @@ class ServerOptions:
         admission: networks of the admitted machines.
         proxies: networks of proxies, whose headers name the browser's address and scheme.
         running: running games, which the next server continues. If None, games end with the server.
+        keys: keys of researchers. The default is a random key, which no one knows.
     """
 
     listening: socket.socket
@@ -112,6 +116,7 @@ class ServerOptions:
     admission: Admission = OWN_MACHINE
     proxies: tuple[str, ...] = ()
     running: RunningGames | None = None
+    keys: KeyVerifier = field(default_factory=lambda: SingleKey(secrets.token_urlsafe(24)))
 
 
 async def serve_games(study: Study, file: Path | None, new_bag: Callable[[], Path], options: ServerOptions) -> None:
@@ -153,32 +158,44 @@ async def serve_study(
     tickets = place.tickets
     entry = StudyEntry(design.file.recruiting, codes, conductor, tickets)
     async with _pool(options) as pool:
-        queue = GameQueue(pool)
-        visits = StudyVisits(place.root, design, conductor, clock, pool, queue, tickets, report)
+        queue, problems = GameQueue(pool), [report]
+
+        def tell(problem: str) -> None:
+            for each in problems:
+                each(problem)
+
+        visits = StudyVisits(place.root, design, conductor, clock, pool, queue, tickets, tell)
+        desk = ServedDesk(design, conductor, visits, lambda: (options.games - pool.free, pool.free), visits.texts)
+        problems.append(desk.report)
         drain = DrainPort(pool.games, queue)
-        watching = asyncio.create_task(PresenceWatch(design.file.presence, conductor, visits.here, report).run())
+        watching = asyncio.create_task(PresenceWatch(design.file.presence, conductor, visits.here, tell).run())
         try:
             visitors = Visitors(visits.visit, visits.window, entry, begins_again=True)
-            await serve_visitors(visitors, visits.texts, options, drain)
+            await serve_visitors(visitors, visits.texts, options, drain, desk)
         finally:
             watching.cancel()
             await asyncio.gather(watching, return_exceptions=True)
 
 
 async def serve_visitors(
-    visitors: Visitors, texts: Texts, options: ServerOptions, drain: DrainPort | None = None
+    visitors: Visitors,
+    texts: Texts,
+    options: ServerOptions,
+    drain: DrainPort | None = None,
+    desk: ServedDesk | None = None,
 ) -> None:
-    """Serve visitors until stopped.
+    """Serve visitors, and the researcher if there is a desk, until stopped.
 
     Args:
         visitors: the visitors.
         texts: texts of the page before it is connected.
         options: options of the gateway.
         drain: port for requests to end after the games; None for none.
+        desk: desk of the researcher; None if there is none.
     """
     limits = ClientLimits()
     config = uvicorn.Config(
-        application(visitors, texts, limits),
+        application(visitors, texts, limits, None if desk is None else DeskSockets(desk, options.keys, limits)),
         # Of uvicorn's warnings, all are about clients, and the gateway writes its own.
         log_level="error",
         log_config=None,

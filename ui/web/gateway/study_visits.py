@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import time
 from collections.abc import Callable
 from contextvars import ContextVar
 from pathlib import Path
@@ -22,14 +23,15 @@ from ui.hosting.kiosk.course import StudyCourse
 from ui.hosting.kiosk.game_steps import StudyClock
 from ui.hosting.kiosk.games import KioskStopped
 from ui.hosting.kiosk.pages import KioskPages, RunOver
-from ui.model.kiosk import HostStops, StudyTexts, TextToRead, WentOn
+from ui.model.kiosk import HostStops, ResearcherMessage, StudyTexts, TextToRead, WentOn
 from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.entry import LinkEntry
 from ui.web.gateway.game_queue import GameQueue
 from ui.web.gateway.people import Visitor
 from ui.web.gateway.pooled_games import PooledGames, game_key
-from ui.web.gateway.presence import PersonHere
+from ui.web.gateway.presence import NOTICED, PersonHere
 from ui.web.gateway.waiting import await_turn, pause
+from ui.web.page.desk_page import PersonNow
 from ui.web.pool.pool import WorkerPool
 
 
@@ -101,6 +103,27 @@ class StudyVisits:
         """Return a window in the study's language."""
         return BrowserWindow(self.texts)
 
+    # The researcher's side; see `PeopleHere`
+
+    def people_now(self) -> dict[str, PersonNow]:
+        """Return the browsers of people, by their ids."""
+        return {participant: _now(person) for participant, person in self.here.items()}
+
+    async def show_message(self, participant: str, text: str) -> None:
+        """Show a message of the researcher to a person. A person who has not come back yet does not see it."""
+        if participant in self.here:
+            await self.here[participant].visitor.window.send(ResearcherMessage(text))
+
+    def wake(self, participant: str) -> None:
+        """Make the course of a person look at their run again."""
+        if participant in self.here:
+            self.here[participant].pages.wake()
+
+    def watch(self, participant: str) -> None:
+        """Make the game of a person ready for `thbridge watch`."""
+
+    # The people's side
+
     async def visit(self, visitor: Visitor) -> None:
         """Take a visitor through the study, from the step at which they are."""
         window = visitor.window
@@ -158,7 +181,7 @@ class StudyVisits:
         if not await await_turn(
             pages,
             words.headed(self.texts, "waiting_for_place", "web"),
-            lambda: self._conductor.progress.next_place() is not NoPlace.TAKEN,
+            lambda: self._conductor.progress.next_place() not in {NoPlace.TAKEN, NoPlace.CLOSED},
         ):
             heading, text = words.headed(self.texts, "waiting_stopped", "web")
             await pages.show(TextToRead(0, heading, text, button=self.texts.text("web.wait_again")))
@@ -183,7 +206,7 @@ class StudyVisits:
                 ending = ending_of(self._design.file.recruiting, Ending.FULL, entry.parameters)
                 await pages.show(TextToRead(0, *words.headed(texts, "full"), button="", ending=ending))
                 return None
-            if place is NoPlace.TAKEN:
+            if place in {NoPlace.TAKEN, NoPlace.CLOSED}:
                 await self._await_place(pages)
                 continue
             begin = texts.text("kiosk.begin")
@@ -195,3 +218,10 @@ class StudyVisits:
             admitted = self._conductor.admit(entry.external_id, entry.parameters, FrontEnd.BROWSER)
             if not isinstance(admitted, NoPlace):
                 return admitted
+
+
+def _now(person: PersonHere) -> PersonNow:
+    visitor = person.visitor
+    is_away = time.monotonic() - visitor.present_at > NOTICED
+    connection = "gone" if visitor.live is None else "away" if is_away else "here"
+    return PersonNow(connection, visitor.round_trip, person.pages.lag, visitor.window.plays)

@@ -1,9 +1,13 @@
 """Pages of a study in a browser: each message of the study's host as a page with all its words."""
 
 import math
+from collections.abc import Sequence
 from html import escape
 
 from markdown_it import MarkdownIt
+from markdown_it.renderer import RendererHTML
+from markdown_it.token import Token
+from markdown_it.utils import EnvType, OptionsDict
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.experiment.design.recruiting import is_address
@@ -19,6 +23,7 @@ from ui.model.kiosk import (
     GameToJoin,
     HostStops,
     InstructionsSoFar,
+    ResearcherMessage,
     StudyProgress,
     StudyTexts,
     TextToRead,
@@ -47,6 +52,7 @@ class StudyPageMaker:
         self.texts = texts
         # Texts come from the study's files, which may have been written by others: no HTML in them takes effect.
         self._markdown = MarkdownIt("commonmark", {"html": False, "linkify": False})
+        self._markdown.add_render_rule("link_open", _link_in_other_tab)
 
     def page(self, message: ToKiosk) -> dict[str, Json] | None:
         """Return the message for the browser; None if the browser does not need it."""
@@ -141,6 +147,9 @@ class StudyPageMaker:
                 }
             case HostStops(heading=heading, text=text):
                 return {"t": "stopped", "heading": heading, "html": self._html(text, markdown=False)}
+            case ResearcherMessage(text=text):
+                heading, close = texts.text("web.message"), texts.text("web.message_close")
+                return {"t": "message", "heading": heading, "text": text, "close": close}
             case CloseKiosk():
                 return {"t": "closed"}
             case AnswerKept(page=number, item=item):
@@ -294,6 +303,15 @@ class StudyPageMaker:
                 name = texts.text("forms.point", point=number, points=len(words))
             points.append({"value": index + 1.0, "label": number, "spoken": name, "word": word if inner else ""})
         return points
+
+
+def _link_in_other_tab(
+    renderer: RendererHTML, tokens: Sequence[Token], index: int, options: OptionsDict, _env: EnvType
+) -> str:
+    """Return the beginning of a link, which opens in another tab: the study's page must not be left."""
+    tokens[index].attrSet("target", "_blank")
+    tokens[index].attrSet("rel", "noopener noreferrer")
+    return renderer.renderToken(tokens, index, options, _env)
 
 
 PAGE_WORDS = (

@@ -71,6 +71,9 @@ function receive(message) {
       instructions = message.html;
       showStrip();
       break;
+    case "message":
+      showMessage(message);
+      break;
     case "kept":
       break;
     case "elsewhere":
@@ -90,6 +93,18 @@ function receive(message) {
     default:
       showPage(message);
   }
+}
+
+// A message of the researcher stays above all pages until the person closes it.
+function showMessage({ heading, text, close }) {
+  const shown = document.getElementById("message");
+  const button = element("button", { type: "button", class: "small", text: close });
+  button.addEventListener("click", () => {
+    shown.replaceChildren();
+    main.focus();
+    send({ type: "MessageClosed" });
+  });
+  shown.replaceChildren(element("section", { class: "notice" }, element("h2", { text: heading }), element("p", { class: "prose", text }), button));
 }
 
 function replace(next) {

@@ -30,6 +30,7 @@ from ui.model.kiosk import (
     InstructionsNews,
     InstructionsSoFar,
     KioskClosed,
+    ResearcherMessage,
     StoppedTakingPart,
     StudyProgress,
     StudyTexts,
@@ -302,8 +303,8 @@ class KioskWindow(QMainWindow):
                 self._offer_instructions()
                 if not texts and self.instructions.isVisible():
                     self._stay()
-            case AnswerKept() | GameNews() | StudyTexts() | TurnToAwait():
-                pass  # At the kiosk, one person takes part at a time, and no one waits for a turn.
+            case AnswerKept() | GameNews() | StudyTexts() | TurnToAwait() | ResearcherMessage():
+                pass  # At the kiosk, no one waits for a turn, and the researcher is near.
 
     def leave(self) -> None:
         """Show the person that the program of the study has stopped.
