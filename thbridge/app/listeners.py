@@ -3,11 +3,12 @@
 The ROS graph and the windows can also send requests.
 """
 
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 from sim.team import Team
 from thbridge.app.compose.recording import build_team_description, build_writer
@@ -26,6 +27,9 @@ from thbridge.sockets.keys import KeyVerifier
 from thbridge.timing.pacer import Pacer
 from thbridge.watching.sockets.server import WatchServer
 
+StartServer: TypeAlias = Callable[[], Awaitable[ListeningAddress | CannotListen]]
+"""Function that starts a server, and returns its address or the reason why it cannot listen."""
+
 
 @dataclass(frozen=True, slots=True)
 class WatchAddress:
@@ -35,11 +39,13 @@ class WatchAddress:
         host: address on which the server listens.
         port: TCP port; 0 selects any free port.
         keys: keys that windows must send. If None, all programs on this machine are admitted.
+        later: callback with the function that starts the server. If None, the server starts with the session.
     """
 
     host: str
     port: int
     keys: KeyVerifier | None
+    later: Callable[[StartServer], None] | None = None
 
 
 class ListenerOptions(Protocol):
@@ -127,7 +133,11 @@ async def listeners(
             desk = WatchRequestHandler(ask, team, pacer, granted, has_game=has_game)
             server = WatchServer(desk, options.watch.keys, bag=options.bag)
             opened.push_async_callback(server.stop)
-            callbacks.watched(await server.start(options.watch.host, options.watch.port))
+            start = partial(server.start, options.watch.host, options.watch.port)
+            if options.watch.later is None:
+                callbacks.watched(await start())
+            else:
+                options.watch.later(start)
             listening += [desk, server]
         if options.foxglove is not None:
             # The import is here because sessions without Foxglove do not need this optional package.

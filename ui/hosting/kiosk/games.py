@@ -9,6 +9,7 @@ from typing import Protocol
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from thbridge.app import play as hunt
 from thbridge.app.compose.setting import StudySetting
+from thbridge.app.listeners import WatchAddress
 from thbridge.app.play import FINAL_TICKS, Checkpoints, HuntOutcome, HuntUnfinished, PlayOptions
 from thbridge.app.session.input_log import GameDiffers
 from thbridge.app.session.session import TickRecord
@@ -79,12 +80,18 @@ class StudyGames:
         folder: folder of the study.
         design: design of the study.
         checkpoints: copies of this process, which continue a game if the process is killed; None for none.
+        watch: address for researchers' windows; None if no window can connect.
     """
 
     def __init__(
-        self, folder: ExperimentFolder, design: ExperimentDesign, checkpoints: Checkpoints | None = None
+        self,
+        folder: ExperimentFolder,
+        design: ExperimentDesign,
+        checkpoints: Checkpoints | None = None,
+        watch: WatchAddress | None = None,
     ) -> None:
         self._checkpoints = checkpoints
+        self._watch = watch
         self._folder = folder
         self._design = design
         self._settings = SettingCache(design.beside)
@@ -157,7 +164,14 @@ class StudyGames:
     def _options(self, step: PlannedStep, rate: float | None, bag: Path | None) -> PlayOptions:
         log = None if bag is None else _inputs_of(bag)
         return PlayOptions(
-            rate or 1.0, bag, frozenset(), "", step.entry.max_seconds, inputs=log, checkpoints=self._checkpoints
+            rate or 1.0,
+            bag,
+            frozenset(),
+            "",
+            step.entry.max_seconds,
+            watch=self._watch,
+            inputs=log,
+            checkpoints=self._checkpoints,
         )
 
     async def _play(

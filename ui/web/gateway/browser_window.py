@@ -40,10 +40,12 @@ class BrowserWindow:
     Attributes:
         has_place: True while the person has a place in the study or plays a game. A visitor without a place may be
             forgotten.
+        watch_port: TCP port of this machine for `thbridge watch`; 0 if the person's game cannot be watched.
     """
 
     def __init__(self, texts: Texts) -> None:
         self.has_place = False
+        self.watch_port = 0
         self._maker = StudyPageMaker(texts)
         self._kept: list[ToKiosk] = []
         self._requests: asyncio.Queue[FromKiosk] = asyncio.Queue()
@@ -82,7 +84,7 @@ class BrowserWindow:
 
     def play(self, game: HostedGame | None) -> None:
         """Connect the browser to this game, whose page is `GameToJoin`. If None, disconnect it."""
-        self._game = game
+        self._game, self.watch_port = game, 0
         if game is not None and self._send_text is not None:
             game.join()
 
@@ -103,6 +105,11 @@ class BrowserWindow:
     def plays(self) -> bool:
         """True while the person has a game."""
         return self._game is not None
+
+    def watch_game(self) -> None:
+        """Let researchers' windows connect to the person's game, if there is one."""
+        if self._game is not None:
+            self._game.watch()
 
     @property
     def absence(self) -> float:

@@ -27,6 +27,7 @@ from ui.web.pool.messages import (
     FromWorker,
     GamePassed,
     GameReady,
+    GameWatched,
     PersonActed,
     RecordingBrokenOff,
     RecordingCutOff,
@@ -144,6 +145,8 @@ class PooledGames:
                 case GameReady():
                     # The browser is connected through the worker, not through the text server.
                     watcher.ready(ListeningAddress("", 0))
+                case GameWatched(port):
+                    self._window.watch_port = port
                 case SeatSeenOver():
                     # If the worker was running already, the page of the game is sent before.
                     loop.call_soon(self._window.note_seen_over)

@@ -18,6 +18,8 @@ from thbridge.experiment.store.browser_tickets import BrowserTickets
 from thbridge.experiment.store.events import EventKind, FrontEnd, LoggedEvent, RunState
 from thbridge.files.errors import BadFile
 from thbridge.roles.shared.notices import GameTexts
+from thbridge.sockets.addresses import LOCALHOST
+from ui.command_line.terminal import command
 from ui.hosting.kiosk import words
 from ui.hosting.kiosk.course import StudyCourse
 from ui.hosting.kiosk.game_steps import StudyClock
@@ -121,6 +123,8 @@ class StudyVisits:
 
     def watch(self, participant: str) -> None:
         """Make the game of a person ready for `thbridge watch`."""
+        if participant in self.here:
+            self.here[participant].visitor.window.watch_game()
 
     # The people's side
 
@@ -224,4 +228,6 @@ def _now(person: PersonHere) -> PersonNow:
     visitor = person.visitor
     is_away = time.monotonic() - visitor.present_at > NOTICED
     connection = "gone" if visitor.live is None else "away" if is_away else "here"
-    return PersonNow(connection, visitor.round_trip, person.pages.lag, visitor.window.plays)
+    window = visitor.window
+    watch = command("watch", f"{LOCALHOST}:{window.watch_port}") if window.watch_port else ""
+    return PersonNow(connection, visitor.round_trip, person.pages.lag, window.plays, watch)

@@ -36,6 +36,10 @@ class FromBrowser(msgspec.Struct, frozen=True, tag="browser"):
     text: str
 
 
+class WatchWanted(msgspec.Struct, frozen=True, tag="watch"):
+    """Gateway: a researcher wants to watch the game with `thbridge watch`."""
+
+
 class PersonLeft(msgspec.Struct, frozen=True, tag="leave"):
     """Gateway: the person has left the game, or their run has ended; the game ends."""
 
@@ -49,6 +53,12 @@ class ToBrowser(msgspec.Struct, frozen=True, tag="show"):
 
 class GameReady(msgspec.Struct, frozen=True, tag="ready"):
     """Worker: the game can be joined."""
+
+
+class GameWatched(msgspec.Struct, frozen=True, tag="watched"):
+    """Worker: researchers' windows can connect to this TCP port of the worker's machine."""
+
+    port: int
 
 
 class SeatSeenOver(msgspec.Struct, frozen=True, tag="seen over"):
@@ -117,10 +127,11 @@ class WorkerResult(msgspec.Struct, frozen=True, tag="ended"):
     declined: bool = False
 
 
-ToWorker: TypeAlias = GatewayHello | BrowserJoined | BrowserLeft | FromBrowser | PersonLeft
+ToWorker: TypeAlias = GatewayHello | BrowserJoined | BrowserLeft | FromBrowser | PersonLeft | WatchWanted
 FromWorker: TypeAlias = (
     ToBrowser
     | GameReady
+    | GameWatched
     | SeatSeenOver
     | SeatWentOn
     | SeatDeclined

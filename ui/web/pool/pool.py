@@ -25,6 +25,7 @@ from ui.web.pool.messages import (
     PersonLeft,
     ToBrowser,
     ToWorker,
+    WatchWanted,
     WorkerResult,
     encode_line,
 )
@@ -105,6 +106,10 @@ class HostedGame:
     def pass_on(self, text: str) -> None:
         """Pass on a message of the browser."""
         self._send(FromBrowser(text))
+
+    def watch(self) -> None:
+        """Let researchers' windows connect to the game."""
+        self._send(WatchWanted())
 
     def leave(self) -> None:
         """End the game, because its person has left."""

@@ -21,9 +21,13 @@ class SleepingCopies:
     Args:
         record: file of the worker. A copy that wakes locks it, so that only one copy continues.
         woke: called first in a copy that wakes.
+
+    Attributes:
+        allowed: False while no copies are made, because this process has connections that a copy could not continue.
     """
 
     def __init__(self, record: IO[bytes], woke: Callable[[], None]) -> None:
+        self.allowed = True
         self._record = record
         self._woke = woke
         self._pulse: int | None = None
@@ -32,6 +36,8 @@ class SleepingCopies:
 
     def take(self) -> bool:
         """Make a copy of this process, and end the earlier copy; return True in a copy that wakes."""
+        if not self.allowed:
+            return False
         loop = asyncio.get_running_loop()
         alive, pulse = os.pipe()
         signal.pthread_sigmask(signal.SIG_BLOCK, _DEFERRED)

@@ -50,7 +50,7 @@ class StudyGame:
     async def play(self, seat: SeatOfGame) -> Json:
         """Play the game; return its entry in the log, or the counts of a practice game."""
         folder = ExperimentFolder(self.folder)
-        games, watcher = StudyGames(folder, folder.read(), seat.checkpoints), _SeatWatcher(seat)
+        games, watcher = StudyGames(folder, folder.read(), seat.checkpoints, seat.watch), _SeatWatcher(seat)
         if self.practice:
             count = await games.practise(self.run, self.step, watcher)
             missing: dict[str, Json] = {str(term): number for term, number in count.missing.items()}

@@ -17,11 +17,13 @@ import msgspec
 from msgspec import structs
 
 from thbridge.app.consent import ParticipantDeclined
+from thbridge.app.listeners import StartServer, WatchAddress
 from thbridge.app.play import Checkpoints
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.errors import BadFile
 from thbridge.roles.shared.view import GiveConsent
-from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.addresses import LOCALHOST, ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from ui.hosting.lobby import WILDCARD_ADDRESSES
 from ui.sources.game import GameConnection
 from ui.web.page.messages import FROM_GAME_PAGE
@@ -34,6 +36,7 @@ from ui.web.pool.messages import (
     FromBrowser,
     FromWorker,
     GameReady,
+    GameWatched,
     GatewayHello,
     PersonActed,
     PersonLeft,
@@ -41,6 +44,7 @@ from ui.web.pool.messages import (
     SeatSeenOver,
     SeatWentOn,
     ToBrowser,
+    WatchWanted,
     WorkerResult,
     encode_line,
 )
@@ -62,6 +66,10 @@ class SeatOfGame(Protocol):
     @property
     def checkpoints(self) -> Checkpoints:
         """Copies of this process, which continue the game if the process is killed."""
+
+    @property
+    def watch(self) -> WatchAddress:
+        """Address for researchers' windows, whose server starts when the gateway wants it."""
 
     def ready(self, where: ListeningAddress) -> None:
         """Seat the person at the game with this address."""
@@ -127,6 +135,8 @@ class Worker:
         self._seat: GameSeat | None = None
         self._seated: asyncio.Task[None] | None = None
         self._browser = False
+        self._start_watching: StartServer | None = None
+        self._watching: asyncio.Task[None] | None = None
         self._stream = 0
         self._left = self._abandoned = False
         self._reported: set[type[FromWorker]] = set()
@@ -194,6 +204,25 @@ class Worker:
         self._record.write(msgspec.json.encode(structs.replace(self._address, process=os.getpid())))
 
     # The game's side
+
+    @property
+    def watch(self) -> WatchAddress:
+        """See `SeatOfGame`."""
+        return WatchAddress(LOCALHOST, 0, None, later=self._keep_start)
+
+    def _keep_start(self, start: StartServer) -> None:
+        self._start_watching = start
+
+    async def _watch(self, start: StartServer) -> None:
+        """Let researchers' windows connect to the game."""
+        # If this process is killed from now on, the game is resumed from its log of inputs.
+        self.checkpoints.allowed = False
+        self.checkpoints.drop()
+        where = await start()
+        if isinstance(where, CannotListen):
+            _log.warning("%s", where)
+        else:
+            self.note(GameWatched(where.port))
 
     def ready(self, where: ListeningAddress) -> None:
         """See `SeatOfGame`."""
@@ -276,6 +305,8 @@ class Worker:
                 self._seat.receive(said)
             case PersonLeft():
                 self._left = True
+            case WatchWanted() if self._start_watching is not None and self._watching is None:
+                self._watching = asyncio.create_task(self._watch(self._start_watching))
             case _:
                 pass
 

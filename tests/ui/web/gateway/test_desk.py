@@ -18,6 +18,7 @@ from thbridge.files.keys.key_ring import KeyRing
 from thbridge.sockets.keys import RingKeys, SingleKey
 from thbridge.sockets.tls import server_context
 from thbridge.timing.wall_clock import utc_now
+from thbridge.watching.wire import BagStreamReader, SessionMessage
 from ui.web.gateway import desk as desk_module
 
 KEY = "a key that nobody can guess"
@@ -179,3 +180,33 @@ def test_a_key_that_may_only_watch_changes_nothing_and_ends_when_it_is_revoked(f
         assert desk.socket.close_code == 4401
 
     scenario(folder, play, keys=keys)
+
+
+def test_a_game_can_be_watched_on_request(folder: Path) -> None:
+    (folder / "experiment.yaml").write_text(
+        "title: Watched\nbase: {map: practice, templates: practice, robots: 1, server.port: 0}\nquota: 1\n"
+        "consent_elsewhere: Participants agreed on paper.\nsteps:\n  - {step: trial, name: game, max_seconds: 600}\n"
+    )
+
+    async def play(port: int, conductor: Conductor) -> None:
+        browser = await BrowserClient.arrived(port)
+        await browser.until(lambda: browser.study and browser.study[-1].get("button"))
+        await browser.send({"type": "WentOn", "page": browser.study[-1]["page"]})
+        await browser.until(lambda: browser.tree.get("phase") == "playing")
+        (one,) = conductor.progress.runs
+        desk = await DeskClient.opened(port, KEY)
+        await desk.until(lambda: desk.page and "Watch game" in desk.actions(one))
+        assert desk.page["sentences"][1] == "Games running: 1. Games that can still start: 1."
+        await desk.send(desk.actions(one)["Watch game"]["request"])
+        await desk.until(lambda: desk.page["tables"][0]["rows"][0]["command"])
+        command = desk.page["tables"][0]["rows"][0]["command"]
+        assert command.startswith("thbridge watch 127.0.0.1:")
+        inside, outside = await asyncio.open_connection("127.0.0.1", int(command.rpartition(":")[2]))
+        stream, topics = BagStreamReader(), set[str]()
+        while "/map" not in topics:
+            messages = stream.feed(await inside.read(2**16))
+            topics |= {message.topic for message in messages if isinstance(message, SessionMessage)}
+        outside.close()
+        await browser.close()
+
+    scenario(folder, play)
