@@ -71,8 +71,9 @@ function show() {
   list(by("tables"), page.tables, (_, index) => index, makeTable, showTable);
 }
 
+// The roles are those of the elements, which lose them when a narrow screen shows rows as cards.
 function makeTable() {
-  const made = element("section", {}, element("h2"), element("p", { class: "muted" }), element("table", {}, element("caption", { class: "unseen" }), element("thead", {}, element("tr")), element("tbody")));
+  const made = element("section", {}, element("h2"), element("p", { class: "muted" }), element("table", { role: "table" }, element("caption", { class: "unseen" }), element("thead", { role: "rowgroup" }, element("tr", { role: "row" })), element("tbody", { role: "rowgroup" })));
   return made;
 }
 
@@ -81,18 +82,18 @@ function showTable(made, shown) {
   set(made.querySelector("p"), { text: shown.empty, hidden: !shown.empty });
   set(made.querySelector("table"), { hidden: !shown.rows.length });
   set(made.querySelector("caption"), { text: shown.heading });
-  list(made.querySelector("thead tr"), shown.columns, (name) => name, () => element("th", { scope: "col" }), (cell, text) => set(cell, { text }));
+  list(made.querySelector("thead tr"), shown.columns, (name) => name, () => element("th", { scope: "col", role: "columnheader" }), (cell, text) => set(cell, { text }));
   list(made.querySelector("tbody"), shown.rows, (row) => row.key, makeRow, (row, value) => showRow(row, value, shown.columns));
 }
 
 function makeRow() {
-  return element("tr");
+  return element("tr", { role: "row" });
 }
 
 function showRow(made, row, columns) {
   set(made, { "data-mark": row.mark || null });
   const cells = columns.map((column, index) => ({ column, text: row.cells[index] ?? null }));
-  list(made, cells, ({ column }) => column, ({ column }) => (column === columns[0] ? element("th", { scope: "row" }) : element("td")), (cell, { column, text }, index) => {
+  list(made, cells, ({ column }) => column, ({ column }) => (column === columns[0] ? element("th", { scope: "row", role: "rowheader" }) : element("td", { role: "cell" })), (cell, { column, text }, index) => {
     set(cell, { "data-column": index ? column : null, hidden: text === "" && index > 0 && matchMedia("(max-width: 60rem)").matches });
     if (text !== null) set(cell, { text });
     else showLast(cell, row);
@@ -111,7 +112,7 @@ function showActions(parent, actions) {
   list(
     parent,
     actions,
-    (action) => JSON.stringify(action.request),
+    (action) => action.request.type,
     () => {
       const made = element("button", { type: "button", class: "small" });
       made.addEventListener("click", () => (made.action.field ? ask(made.action, made) : send(made.action.request)));
