@@ -200,7 +200,7 @@ async def many_visitors(port: int, count: int) -> int:
 
 
 async def one_secret(port: int, count: int) -> int:
-    """Open sockets with the same cookie, each of which takes over from the one before, and repeat old messages."""
+    """Open sockets with the same cookie, which take over from each other, and repeat old messages."""
     _, cookie = await asyncio.to_thread(load, port)
     clients = []
     for _ in range(count):
