@@ -754,11 +754,11 @@ class Gauge(threading.Thread):
         descriptors: greatest number of open files since `descriptors` was last reset.
     """
 
-    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+    def __init__(self, pid: int) -> None:
         super().__init__(daemon=True)
         self.memory = 0.0
         self.descriptors = 0
-        self._pid = process.pid
+        self._pid = pid
 
     def run(self) -> None:
         """Take twenty samples per second while the process runs."""
@@ -824,7 +824,8 @@ def assault(
 ) -> list[Held]:
     """Run all attacks, one after the other, on a session that runs in a folder, and on a gateway for browsers."""
     honest, outside, held = Honest(doors), Outside(), []
-    gauges = {each: Gauge(each) for each in (session, gateway)}
+    server = attack_browsers.server_of(gateway)
+    gauges = {session: Gauge(session.pid), gateway: Gauge(server)}
     honest.start()
     for each in gauges.values():
         each.start()
@@ -843,7 +844,7 @@ def assault(
         except (BreachError, BrowserBreachError):
             breached = True
         time.sleep(1.5)
-        running = attacked.poll() is None
+        running = attacked.poll() is None and server == attack_browsers.server_of(gateway)
         held.append(
             Held(
                 attack=name,

@@ -66,6 +66,15 @@ def serve(folder: Path, port: int) -> subprocess.Popen[bytes]:
     return process
 
 
+def server_of(process: subprocess.Popen[bytes]) -> int:
+    """Return the id of the process that serves; `process` starts it again if it dies. 0 if there is none."""
+    try:
+        children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    except OSError:
+        return 0
+    return min(map(int, children), default=0)
+
+
 def load(port: int, path: str = "/", cookie: str = "") -> tuple[str, str]:
     """Load a page; return its text and the cookie."""
     connection = http.client.HTTPConnection(HOST, port, timeout=PATIENCE)
