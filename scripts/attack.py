@@ -106,6 +106,7 @@ class Honest(threading.Thread):
 
     def __init__(self, doors: "Doors") -> None:
         super().__init__(daemon=True)
+        self._person = PlayingPerson(doors.web)
         self.wait = self.lag = 0.0
         self.refused = 0
         self.slowest = ""
@@ -123,7 +124,7 @@ class Honest(threading.Thread):
             "MAVLink": self._beat,
             "master": lambda: self._call(self._doors.ros),
             "node": lambda: self._call(self._doors.node),
-            "browser": PlayingPerson(self._doors.web).go_on,
+            "browser": self._person.go_on,
         }
         while not self._stopped.wait(0.1):
             for name, ask in people.items():

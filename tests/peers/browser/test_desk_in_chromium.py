@@ -31,7 +31,9 @@ def test_the_researcher_messages_one_person_and_excludes_the_other(tmp_path: Pat
     study = tmp_path / "study"
     study.mkdir()
     (study / "experiment.yaml").write_text(STUDY)
-    (study / "welcome.md").write_text("Read this. <img src=x onerror='window.pwned = 1'> [x](javascript:pwned=1)\n")
+    (study / "welcome.md").write_text(
+        "# Welcome\n\nRead this. <img src=x onerror='window.pwned = 1'> [x](javascript:pwned=1)\n"
+    )
     server = Program(tmp_path, "serve", "study", "--port", "0")
     try:
         until("the gateway", lambda: "/desk#" in server.text or server.process.poll() is not None, [server])
