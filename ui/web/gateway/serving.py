@@ -84,6 +84,7 @@ async def _pool(options: "ServerOptions") -> AsyncIterator[WorkerPool]:
             running = RunningGames(Path(folder, "games"))
         running.tidy()
         pool = WorkerPool(running, options.games)
+        await pool.hold()
         # Running games continue at once. A game that starts before the end of the warm-up waits for it.
         warming = asyncio.create_task(pool.warm_up())
         try:

@@ -36,6 +36,8 @@ START_TIMEOUT = 30.0
 """Seconds for a worker to open its socket."""
 END_TIMEOUT = 10.0
 """Seconds for a worker to end its game and to close its files."""
+HOLD_TIMEOUT = 300.0
+"""Seconds for which the games of an earlier server wait for their people."""
 MOST_DEATHS = 5
 """Number of a game's workers that may die in a row at the same time of the game."""
 LOOK = 0.02
@@ -156,6 +158,7 @@ class WorkerPool:
         self._context: ForkServerContext = multiprocessing.get_context("forkserver")
         self._context.set_forkserver_preload(["ui.web.pool.warm"])
         self._entered: set[str] = set()
+        self._held: list[asyncio.Task[None]] = []
 
     @property
     def free(self) -> int:
@@ -165,6 +168,17 @@ class WorkerPool:
     async def warm_up(self) -> None:
         """Start the process from which workers are forked, and wait until it is ready."""
         await asyncio.to_thread(self._run, _nothing)
+
+    async def hold(self) -> None:
+        """Connect to the games of an earlier server, so that they wait for their people; call this before any other.
+
+        The connection ends when `enter` connects to the game, and after `HOLD_TIMEOUT`.
+        """
+        for key in [*self.games]:
+            with suppress(WorkerDied, TimeoutError):
+                async with asyncio.timeout(1.0):
+                    reader, writer = await self._connected(key)
+                self._held.append(asyncio.create_task(_drain(reader, writer)))
 
     @asynccontextmanager
     async def enter(
@@ -235,6 +249,15 @@ class WorkerPool:
         process = self._context.Process(target=program)
         process.start()
         process.join()
+
+
+async def _drain(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    """Read and drop the messages of a worker."""
+    with suppress(TimeoutError, ConnectionError):
+        async with asyncio.timeout(HOLD_TIMEOUT):
+            while await reader.read(LONGEST_LINE):
+                pass
+    writer.close()
 
 
 def _nothing() -> None:
