@@ -1,4 +1,4 @@
-"""Measure games in browsers: many people at once, over real WebSockets; docs/reference/benchmarks.md has the figures.
+"""Measure games in browsers: many people at once, over real WebSockets.
 
 Run this script from the project's folder: `.venv/bin/python scripts/measure_browser_games.py --games 42 --minutes 20`.
 It starts `thbridge serve` with a study of one game for each person. Programs in place of people play: every 3 to 8
