@@ -103,6 +103,10 @@ class BrowserClient:
         await self.until(lambda: self.tree["ending"])
         await asyncio.sleep(0.4)
         await self.act(self.tree["ending"]["buttons"][0]["act"])
+        # If the game was over before, its result is another page.
+        await self.until(lambda: self.shown["t"] in {"recorded", "text"})
+        if self.shown["t"] == "recorded":
+            await self.send({"type": "WentOn", "page": self.shown["page"]})
 
     async def close(self) -> None:
         """Close the connection."""

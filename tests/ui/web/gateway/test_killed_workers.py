@@ -57,7 +57,7 @@ def test_a_sleeping_copy_continues_the_game_of_a_killed_worker(tmp_path: Path) -
                 await browser.act(browser.tree["dialogue"]["aside"]["act"])
                 await browser.until(lambda: browser.tree["dialogue"] is None)
             await browser.end_game()
-            await browser.until(lambda: browser.shown.get("button") == "Finish", 20)
+            await browser.until(lambda: browser.shown.get("button") == "Finish")
             await browser.close()
 
     asyncio.run(asyncio.wait_for(run(), 280))
