@@ -4,7 +4,7 @@ import secrets
 import socket
 from functools import partial
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from thbridge.study.study_file import Study
     from ui.web.gateway.serving import ServerOptions
 
-_locks: list[IO[bytes]] = []
-"""Lock of the folder, which must stay open."""
 Served = Annotated[
     Path | None, typer.Argument(help="Study file, or folder of a study with people.", metavar="STUDY|FOLDER")
 ]
@@ -75,7 +73,8 @@ def serve(
     from ui.web.gateway.draining import drain as drain_server
     from ui.web.pool.running_games import RunningGames
 
-    recorded = served if served is not None and served.is_dir() else bags
+    is_study = served is not None and served.is_dir()
+    recorded = bags if served is None or not is_study else served
     with bad_input():
         running = RunningGames.of(recorded)
     if drain:
@@ -85,16 +84,12 @@ def serve(
                 f"No server serves {recorded}. Name its study folder, or its folder of recordings with --bags.",
             )
         return
-    with bad_input():
-        _locks.append(running.lock_server(recorded))
     check_networks("--open-to", open_to or ())
     check_networks("--proxy", proxy or ())
     if (tls_cert is None) != (tls_key is None):
         fail(BAD_INPUT, "--tls-cert and --tls-key belong together. Give both, or neither.")
     with bad_input():
         tls = None if tls_cert is None or tls_key is None else browser_context(tls_cert, tls_key)
-
-    is_study = served is not None and served.is_dir()
 
     def options(study: Study, file: Path | None) -> ServerOptions:
         """Return the options of the gateway; its port is taken from now on."""
@@ -113,20 +108,23 @@ def serve(
             listening, games, tls, ready, admission, tuple(proxy or ()), running=running, keys=desk_keys
         )
 
-    if served is not None and is_study:
-        _serve_folder(served, options)
-        return
-    study = study_of(served, {})
-    note_doubts(setting_of(study, served))
-    chosen = options(study, served)
-    compile_ahead(whole_hunt=True)
-    keep_running()
+    with bad_input():
+        lock = running.lock_server(recorded)
+    with lock:
+        if served is not None and is_study:
+            _serve_folder(served, options)
+            return
+        study = study_of(served, {})
+        note_doubts(setting_of(study, served))
+        chosen = options(study, served)
+        compile_ahead(whole_hunt=True)
+        keep_running()
 
-    def new_bag() -> Path:
-        make_folder(bags)
-        return bags / f"{secrets.token_hex(6)}.bag"
+        def new_bag() -> Path:
+            make_folder(bags)
+            return bags / f"{secrets.token_hex(6)}.bag"
 
-    run(serve_games(study, served, new_bag, chosen))
+        run(serve_games(study, served, new_bag, chosen))
 
 
 def _serve_folder(folder: Path, options: "Callable[[Study, Path | None], ServerOptions]") -> None:
