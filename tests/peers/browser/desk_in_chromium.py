@@ -79,6 +79,8 @@ def main(port, key, folder):
         for width, height in ((1280, 800), (390, 844)):
             for look in ("light", "dark"):
                 desk.size(width, height, look)
+                for row in desk.browser.find_elements(By.CSS_SELECTOR, people):
+                    seen["cells"] = len(row.find_elements(By.CSS_SELECTOR, "th, td"))
                 desk.judge(f"desk {width} {look}")
                 desk.browser.save_screenshot(f"{folder}/desk-{width}-{look}.png")
                 wide = "return document.documentElement.scrollWidth > innerWidth"

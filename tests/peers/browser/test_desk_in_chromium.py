@@ -53,6 +53,7 @@ def test_the_researcher_messages_one_person_and_excludes_the_other(tmp_path: Pat
     (excluded, messaged) = result["seen"].pop("people")
     assert result["seen"] == {
         "address": "desk",
+        "cells": 10,
         "cookie": "",
         "message": '<img src=x onerror="window.pwned = 1">Please continue.',
         "still reads": True,

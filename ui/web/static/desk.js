@@ -94,7 +94,7 @@ function showRow(made, row, columns) {
   set(made, { "data-mark": row.mark || null });
   const cells = columns.map((column, index) => ({ column, text: row.cells[index] ?? null }));
   list(made, cells, ({ column }) => column, ({ column }) => (column === columns[0] ? element("th", { scope: "row", role: "rowheader" }) : element("td", { role: "cell" })), (cell, { column, text }, index) => {
-    set(cell, { "data-column": index ? column : null, hidden: text === "" && index > 0 && matchMedia("(max-width: 60rem)").matches });
+    set(cell, { "data-column": index ? column : null });
     if (text !== null) set(cell, { text });
     else showLast(cell, row);
   });
