@@ -79,14 +79,14 @@ def main(port, key, folder):
         for width, height in ((1280, 800), (390, 844)):
             for look in ("light", "dark"):
                 desk.size(width, height, look)
-                for row in desk.browser.find_elements(By.CSS_SELECTOR, people):
-                    seen["cells"] = len(row.find_elements(By.CSS_SELECTOR, "th, td"))
                 desk.judge(f"desk {width} {look}")
                 desk.browser.save_screenshot(f"{folder}/desk-{width}-{look}.png")
                 wide = "return document.documentElement.scrollWidth > innerWidth"
                 if desk.browser.execute_script(wide):
                     desk.faults.append(f"desk {width} {look}: wider than the window")
         desk.size(1280, 800, "light")
+        cells = desk.browser.find_elements(By.CSS_SELECTOR, f"{people}:first-child > *")
+        seen["cells"] = sum(cell.is_displayed() for cell in cells)
         # The run that began last is the first row.
         rows = [each.get_attribute("data-key") for each in desk.browser.find_elements(By.CSS_SELECTOR, people)]
         seen["people"] = rows
