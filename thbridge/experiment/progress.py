@@ -55,6 +55,7 @@ class Run:
         absent: True if the run ended because the person was absent for too long.
         recruiting_code: code of a recruiting service that the person entered, or None before the answer.
         agreed_at: wall time at which the person agreed to take part; empty before the consent.
+        message: message of the experimenter that the person has not closed; empty if there is none.
         farewell_read: True after the person has closed the last page.
         cut_off: files of incomplete recordings.
         scores: score of each recorded game, by the number of the game's step.
@@ -88,6 +89,7 @@ class Run:
     absent: bool = False
     recruiting_code: str | None = None
     agreed_at: str = ""
+    message: str = ""
     farewell_read: bool = False
     cut_off: frozenset[str] = frozenset()
     lags: Mapping[int, float] = field(default_factory=dict)
@@ -345,6 +347,10 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
             return dataclasses.replace(run, state=state, reason=reason, code=code, absent=absent)
         case EventKind.RECORDING_CUT_OFF | EventKind.GAME_BROKEN_OFF:
             return dataclasses.replace(run, cut_off=run.cut_off | {str(data["bag"])})
+        case EventKind.MESSAGE_SENT:
+            return dataclasses.replace(run, message=str(data["text"]))
+        case EventKind.MESSAGE_CLOSED:
+            return dataclasses.replace(run, message="")
         case EventKind.RECRUITING_CODE:
             return dataclasses.replace(run, recruiting_code=str(data["code"]))
         case EventKind.CONSENT_ANSWERED:

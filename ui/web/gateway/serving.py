@@ -38,6 +38,9 @@ from ui.web.gateway.study_visits import StudyVisits, VisitClock
 from ui.web.pool.pool import WorkerPool
 from ui.web.pool.running_games import RunningGames
 
+CLOSING_SECONDS = 5
+"""Seconds for clients to close their connections when the server is stopped."""
+
 
 class _Server(uvicorn.Server):
     """Server that accepts connections as the other servers do, and limits them."""
@@ -205,6 +208,7 @@ async def serve_visitors(
         ws_max_size=LONGEST_MESSAGE,
         h11_max_incomplete_event_size=LONGEST_HEAD,
         server_header=False,
+        timeout_graceful_shutdown=CLOSING_SECONDS,
         lifespan="off",
         proxy_headers=bool(options.proxies),
         forwarded_allow_ips=[*options.proxies, *_mapped(options.proxies)],

@@ -112,7 +112,7 @@ class StudyVisits:
         return {participant: _now(person) for participant, person in self.here.items()}
 
     async def show_message(self, participant: str, text: str) -> None:
-        """Show a message of the researcher to a person. A person who has not come back yet does not see it."""
+        """Show a message of the researcher to a person, who may see it only when they come back."""
         if participant in self.here:
             await self.here[participant].visitor.window.send(ResearcherMessage(text))
 
@@ -161,6 +161,8 @@ class StudyVisits:
         self._tickets.keep(visitor.secret, participant)
         pages.person = participant
         self.here[participant] = PersonHere(visitor, pages)
+        if run.message:
+            await visitor.window.send(ResearcherMessage(run.message))
         if again and not self._is_playing(run):
             with contextlib.suppress(RunOver):
                 await pages.read(TextToRead(0, *words.headed(self.texts, "restarted")))

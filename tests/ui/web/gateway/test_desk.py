@@ -124,6 +124,30 @@ def test_a_message_to_all_reaches_people_who_come_back_and_a_run_can_be_stopped(
     scenario(folder, play)
 
 
+def test_a_message_is_shown_after_a_restart_until_it_is_closed(folder: Path) -> None:
+    people: list[tuple[BrowserClient, str]] = []
+
+    async def begin(port: int, conductor: Conductor) -> None:
+        people.append(await begun(port, conductor))
+        desk = await DeskClient.opened(port, KEY)
+        await desk.until(lambda: desk.page)
+        await desk.send({"type": "MessagePeople", "text": "We go on at noon.", "participant": people[0][1]})
+        await desk.until(lambda: desk.page["told"])
+
+    async def come_back(port: int, _conductor: Conductor) -> None:
+        browser = await BrowserClient.arrived(port, cookie=people[0][0].cookie)
+        await browser.until(lambda: any(each.get("text") == "We go on at noon." for each in browser.study))
+        await browser.send({"type": "MessageClosed"})
+        browser.study.clear()
+        await browser.close()
+        await browser.open()
+        await browser.until(lambda: browser.study and browser.study[-1]["t"] == "text")
+        assert not [each for each in browser.study if each["t"] == "message"]
+
+    scenario(folder, begin)
+    scenario(folder, come_back)
+
+
 def test_closed_admission_lets_no_one_begin_until_it_is_open_again(folder: Path) -> None:
     async def play(port: int, conductor: Conductor) -> None:
         desk = await DeskClient.opened(port, KEY)
