@@ -230,8 +230,11 @@ async def serve_visitors(
 
 
 def _is_fault(record: logging.LogRecord) -> bool:
-    """Return False for an error that a client has caused; the connection reports it."""
-    return not record.getMessage().startswith("Invalid UTF-8")
+    """Return False for an error that a client has caused, which the connection reports, and for the end of a server."""
+    error = record.exc_info[1] if record.exc_info else None
+    return not (
+        isinstance(error, asyncio.CancelledError) or record.getMessage().startswith(("Invalid UTF-8", "Cancel "))
+    )
 
 
 def _mapped(networks: Iterable[str]) -> Iterator[str]:
