@@ -154,6 +154,7 @@ class Conductor:
         declined: bool = False,
         absent: bool = False,
         actor: Actor = "participant",
+        author: str = "",
     ) -> None:
         """End a run early.
 
@@ -163,11 +164,14 @@ class Conductor:
             declined: True if the person did not agree to take part.
             absent: True if the person was absent for too long.
             actor: cause of the end.
+            author: name of the experimenter who ends the run; may be empty.
         """
         outcome = RunState.DECLINED if declined else RunState.LEFT
         data: dict[str, JsonValue] = {"outcome": outcome, "reason": reason}
         if absent:
             data["absent"] = True
+        if author:
+            data["author"] = author
         self._append(EventKind.RUN_ENDED, actor, participant, data=data)
 
     def exclude(self, participant: str, reason: str, author: str = "") -> None:

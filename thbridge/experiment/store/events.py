@@ -153,7 +153,8 @@ class EventKind(StrEnum):
     """A person has closed the last page, which shows the completion code or the reason why the run ended."""
     RUN_ENDED = "run-ended"
     """Data: `outcome`, `reason`. For a complete run, also `code`: the completion code. For a complete run that does not
-    count, also `excluded`: the reason. For a person who was absent for too long, also `absent`: true."""
+    count, also `excluded`: the reason. For a person who was absent for too long, also `absent`: true.
+    If the experimenter ended the run and is known, also `author`."""
     RUN_EXCLUDED = "run-excluded"
     """The experimenter excluded a run. Data: `reason`; `author` if it is known."""
     REHEARSED = "rehearsed"

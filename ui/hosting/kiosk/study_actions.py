@@ -34,14 +34,14 @@ class StudyActions:
         self._wake(participant)
         return None
 
-    def end_run(self, participant: str, reason: str) -> str | None:
+    def end_run(self, participant: str, reason: str, author: str = "") -> str | None:
         """End a run, because the person left or cannot continue."""
         run = self._conductor.progress.runs.get(participant)
         if run is None or run.state is not RunState.UNDER_WAY:
             return self._texts.text("desk.not_under_way", participant=participant)
         if other := self.other_in(reason, participant):
             return self._texts.text("desk.names_other", participant=other)
-        self._conductor.leave(participant, reason, actor="experimenter")
+        self._conductor.leave(participant, reason, actor="experimenter", author=author)
         self._wake(participant)
         return None
 

@@ -138,7 +138,7 @@ class ServedDesk:
                 case ExcludeRun(participant, reason):
                     return self._checked(reason) or self._actions.exclude(participant, reason, author) or ""
                 case EndRun(participant, reason):
-                    return self._checked(reason) or self._actions.end_run(participant, reason) or ""
+                    return self._checked(reason) or self._actions.end_run(participant, reason, author) or ""
                 case MessagePeople(text, participant):
                     return self._checked(text) or await self._message(text.strip(), participant, author)
                 case SetAdmission(is_open):
