@@ -1,0 +1,71 @@
+"""Page of the researcher's desk: complete in each language, for each state of a run."""
+
+import pytest
+
+from thbridge.experiment.store.events import RunState
+from thbridge.files.language_texts import shipped_texts
+from ui.model.desk.messages import DeskCell, DeskMessage, DeskRun, DeskState
+from ui.web.page.desk_page import DeskNow, DeskPageMaker, PersonNow
+from ui.web.page.patches import patch
+
+NOON = "2026-03-01T12:00:00+00:00"
+STATE = DeskState(
+    "Arguing",
+    planned=4,
+    counted=1,
+    cells=(DeskCell("everybody", 4, 1, 1),),
+    troubles=("The disk is full.",),
+    messages=(DeskMessage(NOON, "P-A", "lab", "Hello.", closed=True),),
+    runs=tuple(
+        DeskRun(
+            f"P-{state.name}",
+            "everybody",
+            (),
+            str(state),
+            "",
+            1,
+            9,
+            "game",
+            "trial",
+            True,
+            NOON,
+            3.0,
+            front_end=front_end,
+        )
+        for state, front_end in zip(RunState, ("browser", "window", "", "browser", "browser"), strict=True)
+    ),
+)
+
+
+def now(person: PersonNow, *, may_act: bool = True) -> DeskNow:
+    return DeskNow({"P-UNDER_WAY": person}, 1, 7, True, may_act, "")
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+@pytest.mark.parametrize("connection", ["here", "away", "gone"])
+def test_the_page_has_a_word_for_everything(language: str, connection: str) -> None:
+    maker = DeskPageMaker(shipped_texts(language))
+    page = maker.page(STATE, now(PersonNow(connection, 41.6, 2, plays=True)))
+    people, cells, messages = page.tables
+    assert all(len(row.cells) == len(people.columns) - 1 for row in people.rows)
+    assert all(len(row.cells) == len(table.columns) for table in (cells, messages) for row in table.rows)
+    (person,) = (row for row in people.rows if row.key == "P-UNDER_WAY")
+    assert person.cells[6:8] == ("42 ms", "2 s")
+    assert cells.rows[0].cells[-1] == "3"
+    assert page.has_problems and page.problems == ("The disk is full.",)
+    if language == "de":
+        assert person.cells[1] == "läuft" and page.sentences[0].startswith("1 von 4 Durchläufen")
+
+
+def test_a_game_is_watched_by_a_command_and_a_key_that_may_only_watch_has_no_actions() -> None:
+    maker = DeskPageMaker(shipped_texts())
+    before = maker.page(STATE, now(PersonNow("here", None, 0, plays=True)))
+    after = maker.page(STATE, now(PersonNow("here", None, 0, plays=True, watch="thbridge watch 127.0.0.1:7")))
+    rows = [next(row for row in page.tables[0].rows if row.key == "P-UNDER_WAY") for page in (before, after)]
+    assert [action.label for action in rows[0].actions] == ["Message", "Watch game", "Stop run", "Exclude"]
+    assert "Watch game" not in [action.label for action in rows[1].actions]
+    assert rows[1].command == "thbridge watch 127.0.0.1:7"
+    difference = patch(before, after)
+    assert difference is not None and len(str(difference)) < 1000
+    viewed = maker.page(STATE, now(PersonNow("here", None, 0, plays=True), may_act=False))
+    assert not viewed.actions and not any(row.actions for row in viewed.tables[0].rows)
