@@ -1,6 +1,6 @@
 """Pages of a study with people at the kiosk."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from pictured import language
@@ -19,6 +19,7 @@ from thbridge.study.study_file import DialogueSection
 from ui.hosting.kiosk import words
 from ui.hosting.kiosk.answer_conversion import form_item
 from ui.model.kiosk import (
+    KIOSK,
     Answer,
     ConsentToAsk,
     FormItem,
@@ -31,6 +32,7 @@ from ui.model.kiosk import (
     InstructionText,
     StudyProgress,
     TextToRead,
+    ToKiosk,
 )
 from ui.model.playing.screen import SelectRoomAct, ShowHelp
 from ui.model.shared.theme import Palette
@@ -48,11 +50,34 @@ ALL_KINDS = (
 )
 
 
+class PicturedKiosk(KioskWindow):
+    """Kiosk whose pages can also be shown by a browser.
+
+    Attributes:
+        kept: messages that a window needs which opens now.
+        hunt: the game that it shows; None outside of games.
+    """
+
+    kept: Sequence[ToKiosk] = ()
+    hunt: PicturedHunt | None = None
+
+    def receive(self, message: ToKiosk) -> None:
+        """See `KioskWindow`."""
+        self.kept = KIOSK.kept(self.kept, message)
+        super().receive(message)
+
+    def play(self, game: GameToJoin, hunt: PicturedHunt) -> None:
+        """Show a game."""
+        self.kept = KIOSK.kept(self.kept, game)
+        self.hunt = hunt
+        self.show_game(game, RecordedLink(hunt))
+
+
 def at_the_kiosk() -> Iterator[Shot]:
     """Yield the pages, in the order of a study."""
     seconds = 0.0
     texts = language.texts()
-    window = KioskWindow(texts, unkept_preferences(), lambda _: None, lambda: seconds)
+    window = PicturedKiosk(texts, unkept_preferences(), lambda _: None, lambda: seconds)
     window.resize(*SIZE)
     window.show()
     window.receive(TextToRead(1, *words.headed(texts, "welcome"), texts.text("kiosk.begin")))
@@ -77,10 +102,10 @@ def at_the_kiosk() -> Iterator[Shot]:
     window.receive(InstructionsSoFar((InstructionText(text),)))
     to_do = words.to_do(texts, {PracticeTerm.MOVES: 1.0, PracticeTerm.DIALOGUES: 1.0})
     practice = GameToJoin(6, "", 0, "", True, progress=StudyProgress(3, STEPS), to_do=to_do)
-    window.show_game(practice, RecordedLink(hunt))
+    window.play(practice, hunt)
     window.receive(GameNews(6, 560, to_do))
     yield Shot("kiosk-practice", window, _wear(window))
-    window.show_game(GameToJoin(6, "", 0, "", False, progress=StudyProgress(5, STEPS)), RecordedLink(hunt))
+    window.play(GameToJoin(6, "", 0, "", False, progress=StudyProgress(5, STEPS)), hunt)
     window.receive(GameNews(6, 61))
     window.receive(GameNews(6, 60))
     yield Shot("kiosk-game", window, _wear(window))

@@ -68,15 +68,23 @@ voluntarily.
 """
 
 
-def window_on(model: Participant, clock: Callable[[], float]) -> ParticipantWindow:
+class PicturedWindow(ParticipantWindow):
+    """Window whose model can also be shown by a browser."""
+
+    def __init__(self, model: Participant, clock: Callable[[], float]) -> None:
+        super().__init__(model, clock, LIGHT)
+        self.model, self.now = model, clock
+
+
+def window_on(model: Participant, clock: Callable[[], float]) -> PicturedWindow:
     """Return a window of the usual size."""
-    window = ParticipantWindow(model, clock, LIGHT)
+    window = PicturedWindow(model, clock)
     window.resize(*SIZE)
     window.show()
     return window
 
 
-def shot(name: str, window: ParticipantWindow) -> Shot:
+def shot(name: str, window: PicturedWindow) -> Shot:
     """Return a picture of a window."""
     return Shot(name, window, window.set_palette, settled=lambda: not window.top.score.is_counting)
 
@@ -179,7 +187,7 @@ def hunting() -> Iterator[Shot]:
     yield from _end(hunt, window)
 
 
-def _at_work(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
+def _at_work(hunt: PicturedHunt, window: PicturedWindow) -> Iterator[Shot]:
     """Yield a hunt in which robot 1 drives and robot 2 waits for robot 1."""
     for robot, room in ((1, 1), (0, 2)):
         hunt.do(ChooseRobot(robot))
@@ -208,7 +216,7 @@ def _waiting_for(seen: ParticipantUpdate) -> ParticipantUpdate:
     return structs.replace(seen, motions=tuple(motions))
 
 
-def _queue(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
+def _queue(hunt: PicturedHunt, window: PicturedWindow) -> Iterator[Shot]:
     """Yield two robots that arrive while the third robot asks a question; then robots with problems."""
     hunt.do(SelectRoomAct(5))
     yield shot("question-change", window)
@@ -243,7 +251,7 @@ def _in_trouble(view: View) -> View:
     return with_robot(spent, 2, condition=Condition.SILENT)
 
 
-def _end(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
+def _end(hunt: PicturedHunt, window: PicturedWindow) -> Iterator[Shot]:
     """Leave all treasures undecided, and end the game."""
     hunt.until(lambda screen: all(card.progress is None for card in screen.cards))
     hunt.reached()

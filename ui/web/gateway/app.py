@@ -11,6 +11,7 @@ from pathlib import Path
 import msgspec
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
+from starlette.middleware.gzip import GZipMiddleware
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
@@ -23,6 +24,7 @@ from ui.web.gateway.desk import DeskSockets
 from ui.web.gateway.entry import EntryRefused, LinkFault
 from ui.web.gateway.limits import ClientLimits, network_of
 from ui.web.gateway.people import Tab, Visitor, Visitors
+from ui.web.gateway.troubles import PageTroubles
 from ui.web.page.theme_css import THEME_CSS
 from ui.web.seat import encoded
 
@@ -85,6 +87,14 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: De
         response.set_cookie(COOKIE, secret, httponly=True, samesite="lax", secure=secure, path="/")
         return _guarded(response)
 
+    troubles = PageTroubles(limits.refusals)
+
+    async def trouble(request: Request) -> Response:
+        secret = request.cookies.get(COOKIE, "")
+        if not (visitors.knows(secret) and _same_origin(request)):
+            return _guarded(Response(status_code=403))
+        return _guarded(await troubles.receive(request, secret))
+
     async def theme(_request: Request) -> Response:
         return _guarded(PlainTextResponse(THEME_CSS, media_type="text/css"))
 
@@ -123,10 +133,11 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: De
             *(researcher if desk is not None else ()),
             Route("/", page),
             Route("/theme.css", theme),
+            Route("/trouble", trouble, methods=["POST"]),
             WebSocketRoute("/socket", socket),
             Mount("/static", StaticFiles(directory=STATIC)),
         ],
-        middleware=[Middleware(_LimitedRequests, limits=limits, refusal=too_many)],
+        middleware=[Middleware(GZipMiddleware), Middleware(_LimitedRequests, limits=limits, refusal=too_many)],
     )
 
 
@@ -167,10 +178,11 @@ def _guarded(response: Response) -> Response:
     return response
 
 
-def _same_origin(websocket: WebSocket) -> bool:
+def _same_origin(connection: HTTPConnection) -> bool:
     """Return True if the page that opened the socket came from this gateway."""
-    scheme, _, host = websocket.headers.get("origin", "").partition("://")
-    return host == websocket.headers.get("host", "") and (scheme == "https" or websocket.url.scheme == "ws")
+    scheme, _, host = connection.headers.get("origin", "").partition("://")
+    is_plain = connection.url.scheme in ("ws", "http")
+    return host == connection.headers.get("host", "") and (scheme == "https" or is_plain)
 
 
 class _Ping(msgspec.Struct, frozen=True, tag_field="t", tag="pong"):

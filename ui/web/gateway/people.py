@@ -156,6 +156,10 @@ class Visitors:
             visitor.course = asyncio.ensure_future(self.begin(visitor))
         return secret
 
+    def knows(self, secret: str) -> bool:
+        """Return True if a page was loaded with this secret."""
+        return secret in self._by_secret or secret in self._expected
+
     def expects(self, secret: str) -> bool:
         """Return True if a page was loaded with this secret, and its visit has not begun."""
         return secret in self._expected

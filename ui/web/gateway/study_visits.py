@@ -216,7 +216,7 @@ class StudyVisits:
                 await self._await_place(pages)
                 continue
             begin = texts.text("kiosk.begin")
-            await pages.show(TextToRead(0, *words.headed(texts, "welcome"), button=begin, anew=True))
+            await pages.show(TextToRead(0, *words.headed(texts, "welcome", "web"), button=begin, anew=True))
             while not isinstance(await pages.next(), WentOn):
                 pass
             if self._queue.is_closed:

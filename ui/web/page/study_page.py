@@ -36,6 +36,10 @@ WARNINGS = (60, 10)
 """Seconds before the end of a game at which people are warned."""
 _GROUP = 4
 """Characters of a completion code between two spaces."""
+_FINE = 1000
+"""Number of positions of a mark on a line without steps."""
+_MOST_TICKS = 20
+"""Greatest number of steps that are drawn on a line."""
 
 
 class StudyPageMaker:
@@ -151,7 +155,8 @@ class StudyPageMaker:
                 heading, close = texts.text("web.message"), texts.text("web.message_close")
                 return {"t": "message", "heading": heading, "text": text, "close": close}
             case CloseKiosk():
-                return {"t": "closed"}
+                over = self._html(texts.text("pages.close_window"), markdown=False)
+                return {"t": "closed", "heading": texts.text("pages.thanks"), "html": over}
             case AnswerKept(page=number, item=item):
                 return {"t": "kept", "page": number, "item": item, "timed_out": message.timed_out}
 
@@ -279,9 +284,13 @@ class StudyPageMaker:
                     "decimal": texts.forms.decimal,
                 }
             case "analogue":
+                span = item.maximum - item.minimum
+                steps = max(round(span / item.step), 1) if item.step > 0.0 else 0
                 shown |= {
                     "minimum": item.minimum,
                     "maximum": item.maximum,
+                    "step": item.step if steps else span / _FINE,
+                    "ticks": steps if 0 < steps <= _MOST_TICKS else 1,
                     "ends": [item.low, item.high],
                     "hint": texts.text("forms.line_keys"),
                 }
@@ -347,14 +356,13 @@ PAGE_WORDS = (
     "kiosk.go_on",
     "settings.title",
     "settings.look",
-    "settings.look_system",
     "settings.look_light",
     "settings.look_dark",
     "settings.text_size",
     "settings.sound",
     "settings.sound_on",
     "settings.close",
-    "web.lost",
+    "web.look_system",
     "web.leave_text",
 )
 """Keys of the texts for the fixed parts of the page."""

@@ -68,20 +68,15 @@ export class GamePage {
     part.tools = element("div", { class: "tools" });
     part.mapSwitch = element("button", { type: "button", class: "map-switch", text: words["map.name"], "aria-expanded": "false" });
     part.mapSwitch.addEventListener("click", () => this.#switchMap());
-    const top = this.#region(
-      "section",
-      words["window.score_and_tools"],
-      element("p", { class: "figures" }, part.game, element("span", { class: "muted", text: words["window.score"] }), part.score, part.progress),
-      part.mapSwitch,
-      part.tools,
-    );
+    const figures = element("p", { class: "figures" }, part.game, element("span", { class: "muted", text: words["window.score"] }), part.score, part.progress);
+    const top = this.#region("section", words["window.score_and_tools"], figures, part.mapSwitch, part.tools);
     top.classList.add("top");
     part.cards = this.#region("section", words["window.robots"]);
     part.cards.classList.add("cards");
     part.remark = element("p", { class: "remark muted", "aria-live": "polite" });
-    part.advice = button(this.act);
+    part.advice = button(this.act, "plain advice");
     part.tiles = element("div", { class: "tiles" });
-    part.rooms = this.#region("section", words["window.rooms"], part.advice, part.remark, part.tiles);
+    part.rooms = this.#region("section", words["window.rooms"], part.tiles, part.advice, part.remark);
     part.queue = element("p", { class: "muted" });
     part.waiting = element("div", { class: "waiting" });
     const waiting = this.#region("section", words["window.what_waits"], part.queue, part.waiting);
@@ -109,6 +104,7 @@ export class GamePage {
   #switchMap() {
     const open = this.element.toggleAttribute("data-map");
     set(this.parts.mapSwitch, { "aria-expanded": String(open) });
+    (open ? this.map.element : this.element).scrollIntoView({ block: "nearest" });
   }
 
   #keepPicture({ id, data }) {
@@ -148,7 +144,8 @@ export class GamePage {
     this.#showPop("dialogue", page.dialogue, (made, pop) => this.#showDialogue(made, pop));
     this.#showPop("treasure", page.treasure, (made, pop) => this.#showTreasure(made, pop));
     this.#showPop("ending", page.treasure || page.dialogue ? null : page.ending, (made, pop) => this.#showQuestion(made, pop));
-    set(part.pops, { "data-wide": !!page.treasure });
+    const room = (page.dialogue ?? page.treasure)?.room;
+    set(part.pops, { "data-wide": !!page.treasure, "data-left": this.map.isRight(room) });
     this.#showDialog(part.question, page.question, (made, asked) => this.#showQuestion(made, asked));
     this.#showDialog(part.help, page.help.length ? page : null, (made) => this.#showHelp(made));
     this.#showDialog(part.large, page.enlarged || null, (made, id) => set(made.firstChild, { src: this.pictures.get(id) }));
@@ -165,7 +162,7 @@ export class GamePage {
 
   #showPlain(page) {
     const parts = [element("h1", { text: page.phase === "consent" ? this.words["pages.before"] ?? "" : this.words["pages.one_moment"] ?? "" })];
-    parts.push(element("p", { text: page.phase === "consent" ? page.consent : page.waiting_for }));
+    parts.push(element("p", { class: "written", text: page.phase === "consent" ? page.consent : page.waiting_for }));
     if (page.phase === "consent") {
       const row = element("p", { class: "row" });
       buttons(row, page.consent_buttons, this.act);
@@ -179,6 +176,7 @@ export class GamePage {
 
   #makeCard() {
     const made = element("article", { class: "card" });
+    made.addEventListener("click", ({ target }) => !target.closest("button") && made.select.click());
     made.select = button(this.act, "face");
     made.chip = element("span", { class: "chip", "aria-hidden": "true" });
     made.energy = element("span", { class: "energy", "aria-hidden": "true" });
@@ -187,17 +185,19 @@ export class GamePage {
     made.waits = element("span", { class: "waits", "aria-hidden": "true" });
     made.progress = element("span", { class: "driven", "aria-hidden": "true" }, element("span", {}));
     made.select.prepend(made.chip);
-    made.select.append(made.waits, made.energy, made.bar, made.state, made.progress);
+    made.select.append(made.waits, made.energy, made.bar);
     made.more = element("div", { class: "more" });
-    made.append(made.select, made.more);
+    made.append(made.select, element("div", { class: "doing" }, made.state, made.more), made.progress);
     return made;
   }
 
   #makeTile(tile) {
     const made = button(this.act, "tile");
-    made.room = tile.room;
+    made.called = element("span", { class: "name muted", "aria-hidden": "true" });
+    made.chip = element("span", { class: "chip", "aria-hidden": "true" });
+    made.sign = element("span", { class: "sign", "aria-hidden": "true" });
     made.words = element("span", { class: "words", "aria-hidden": "true" });
-    made.append(made.words);
+    made.append(made.called, made.chip, made.sign, made.words);
     const consider = (room) => this.act({ act: "ConsiderRoom", room });
     made.addEventListener("pointerenter", (event) => event.pointerType === "mouse" && consider(tile.room));
     made.addEventListener("pointerleave", (event) => event.pointerType === "mouse" && consider(null));
@@ -232,6 +232,8 @@ export class GamePage {
     made.hidden = !pop;
     if (pop && pop !== made.pop) show(made, pop);
     made.pop = pop;
+    // On a narrow page, a person may have scrolled to the rooms.
+    if (pop && wasHidden) made.scrollIntoView({ block: "nearest" });
     if (pop && wasHidden && this.#lostFocus) this.#focusRegion(made);
     if (!pop && had) {
       this.#lostFocus = true;
@@ -244,14 +246,16 @@ export class GamePage {
 
   #head(made, pop) {
     if (!made.head) {
+      made.chip = element("span", { class: "chip", "aria-hidden": "true" });
       made.heading = element("h2", {});
       made.aside = button(this.act, "quiet");
-      made.head = element("header", {}, made.heading, made.aside);
+      made.head = element("header", {}, made.chip, made.heading, made.aside);
       made.body = element("div", { class: "body" });
       made.foot = element("footer", {});
       made.append(made.head, made.body, made.foot);
     }
     set(made, { style: pop.robot === undefined ? null : `--robot: var(--robot${pop.robot % 10})` });
+    set(made.chip, { text: String(this.page.cards[pop.robot]?.number ?? "") });
     set(made.heading, { text: pop.title });
     made.aside.hidden = !pop.aside;
     if (pop.aside) showButton(made.aside, pop.aside, { hints: false });
@@ -393,13 +397,22 @@ export class GamePage {
     const known = this.page.keys.includes(name);
     if (known || (/^\p{L}$/u.test(name) && this.page.treasure)) {
       if (known) event.preventDefault();
-      if (name === "A" && this.page.phase === "playing") this.map.fit();
-      this.#press(name);
+      // While a treasure has a list of names, letters belong to the list.
+      if (name === (this.page.treasure?.names.length ? "Ctrl+A" : "A") && this.page.phase === "playing") this.map.fit();
+      if (name === "Ctrl+,") this.openSettings();
+      else this.#press(name);
       return;
     }
+    const talk = this.parts.dialogue;
     if (onButton && event.key.startsWith("Arrow")) {
       event.preventDefault();
       this.#step(focused, event.key === "ArrowDown" || event.key === "ArrowRight" ? 1 : -1);
+    } else if (!talk.hidden && (name === "Down" || name === "Up")) {
+      event.preventDefault();
+      [...talk.foot.querySelectorAll("button")].at(name === "Down" ? 0 : -1)?.focus();
+    } else if (!talk.hidden && (name === "PageDown" || name === "PageUp")) {
+      event.preventDefault();
+      talk.said.scrollBy(0, (name === "PageDown" ? 0.9 : -0.9) * talk.said.clientHeight);
     }
   }
 
@@ -410,13 +423,15 @@ export class GamePage {
   }
 
   #nextRegion(step) {
-    const shown = [...this.regions.filter((region) => region.offsetParent), this.parts.history];
+    const dialog = this.element.querySelector("dialog[open]");
+    const shown = dialog ? [dialog] : [...this.regions, this.parts.history].filter((region) => [...region.children].some((each) => each.offsetParent));
     const at = shown.findIndex((region) => region.contains(document.activeElement));
     this.#focusRegion(shown[(at + step + shown.length) % shown.length]);
   }
 
   #focusRegion(region) {
-    (region.querySelector("[data-selected] button, button, [tabindex]") ?? region).focus();
+    const parts = [...region.querySelectorAll("button, [tabindex]")].filter((each) => each.offsetParent);
+    (parts.find((each) => each.closest("[data-selected]")) ?? parts[0] ?? region).focus();
   }
 }
 
@@ -446,14 +461,19 @@ function showCard(made, card, act) {
   buttons(made.more, card.buttons, act, { weight: "small", hints: false });
 }
 
+const WORDS = 18; // Letters that fit on a tile.
 const SIGNS = { unvisited: "○", reserved: "→", visited: "•", won: "✓", lost: "✗" };
 
 function showTile(made, tile) {
   showButton(made, tile.choose, { hints: false });
   set(made, { "data-state": tile.state, "data-considered": tile.considered, title: tile.choose.hint || tile.name });
-  set(made.parts.label, { text: `${tile.room} ${SIGNS[tile.state]}` });
+  set(made.parts.label, { text: String(tile.room) });
   made.parts.key.hidden = true;
-  set(made.words, { text: `${tile.warning ? "⚠ " : ""}${tile.words.at(-1) && tile.words.length > 2 ? tile.words[1] : tile.words[0]}` });
+  set(made.called, { text: tile.name });
+  set(made.chip, { text: String((tile.robot ?? 0) + 1), hidden: tile.robot === null, style: tile.robot === null ? null : `--robot: var(--robot${tile.robot % 10})` });
+  set(made.sign, { text: SIGNS[tile.state] });
+  const words = tile.words.find((each) => each.length <= WORDS) ?? tile.words.at(-1) ?? "";
+  set(made.words, { text: `${tile.warning ? "⚠ " : ""}${words}` });
 }
 
 function showFacts(parent, facts, act) {

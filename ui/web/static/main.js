@@ -42,7 +42,7 @@ function connect() {
       else set(connection, { text: connection.dataset.cookies, hidden: false });
       return;
     }
-    set(connection, { text: words["web.lost"] ?? document.title, hidden: false });
+    connection.hidden = false;
     setTimeout(connect, Math.min(250 * 2 ** retries++, 3000));
   });
 }
@@ -143,22 +143,23 @@ function showNews(message) {
 
 function showStrip() {
   const message = page?.message ?? {};
-  const parts = [];
+  const shown = [];
+  const acts = [];
   // The address must not show who the person is. When they have begun, the server knows them without it.
   if (message.step && location.search) history.replaceState(null, "", location.pathname);
-  if (message.step) parts.push(element("span", { class: "muted", text: message.step }), element("progress", { value: message.share, max: 1, "aria-label": message.step }));
-  if (game && news?.left) parts.push(element("span", { class: news.near ? "near" : "muted", text: news.left }));
+  if (message.step) shown.push(element("span", { class: "muted", text: message.step }), element("progress", { value: message.share, max: 1, "aria-label": message.step }));
+  if (game && news?.left) shown.push(element("span", { class: news.near ? "near" : "muted", text: news.left }));
   if (game && message.practice && news) {
     const back = element("button", { type: "button", class: "small", text: message.back, "aria-disabled": news.done ? null : "true" });
     back.addEventListener("click", () => news.done && send({ type: "WentOn", page: message.page }));
-    parts.push(element("span", { class: "to-do", text: news.to_do }), back);
+    shown.push(element("span", { class: "to-do" }, element("span", { text: news.to_do }), back));
   }
-  if (instructions.length) parts.push(stripButton("kiosk.read_again", readAgain, "kiosk.read_again_name"));
+  if (instructions.length) acts.push(stripButton("kiosk.read_again", readAgain, "kiosk.read_again_name"));
   // A game has its own button for the settings.
-  if (!game) parts.push(stripButton("settings.title", openSettings));
-  if (message.step) parts.push(stripButton("kiosk.stop", askToStop, "kiosk.stop_name"));
-  strip.replaceChildren(...parts);
-  strip.hidden = !Object.keys(words).length || !parts.length;
+  if (!game) acts.push(stripButton("settings.title", openSettings));
+  if (message.step) acts.push(stripButton("kiosk.stop", askToStop, "kiosk.stop_name"));
+  strip.replaceChildren(element("div", { class: "news", hidden: !shown.length }, ...shown), element("div", { class: "acts", hidden: !acts.length }, ...acts));
+  strip.hidden = !shown.length && !acts.length;
 }
 
 function stripButton(key, press, spoken = null) {
@@ -213,6 +214,12 @@ function choice(label, options, current, choose) {
   return element("label", { class: "row" }, element("span", { text: label }), chooser);
 }
 
+function soundChoice(choose) {
+  const box = element("input", { type: "checkbox", checked: localStorage.getItem("sound") !== "off" });
+  box.addEventListener("change", () => choose(box.checked ? "on" : "off"));
+  return element("label", { class: "row" }, box, element("span", { text: words["settings.sound_on"] }));
+}
+
 function openSettings() {
   const keep = (name) => (value) => {
     localStorage.setItem(name, value);
@@ -222,9 +229,9 @@ function openSettings() {
   close.addEventListener("click", () => settings.close());
   settings.replaceChildren(
     element("h2", { text: words["settings.title"] }),
-    choice(words["settings.look"], [["system", words["settings.look_system"]], ["light", words["settings.look_light"]], ["dark", words["settings.look_dark"]]], localStorage.getItem("look") ?? "system", keep("look")),
+    choice(words["settings.look"], [["system", words["web.look_system"]], ["light", words["settings.look_light"]], ["dark", words["settings.look_dark"]]], localStorage.getItem("look") ?? "system", keep("look")),
     choice(words["settings.text_size"], SIZES.map((size) => [String(size), `${size} %`]), localStorage.getItem("size") ?? "100", keep("size")),
-    choice(words["settings.sound"], [["on", words["settings.sound_on"]], ["off", "–"]], localStorage.getItem("sound") ?? "on", keep("sound")),
+    soundChoice(keep("sound")),
     element("footer", { class: "row end" }, close),
   );
   settings.showModal();
@@ -247,4 +254,5 @@ for (const [kind, focus] of [["focus", true], ["blur", false]]) {
 document.addEventListener("visibilitychange", () => send({ type: "FocusNews", has_focus: document.visibilityState === "visible" && document.hasFocus(), window_ns: Math.round(performance.now() * 1e6) }));
 
 apply();
+document.getElementById("too-old").remove(); // The page's modules run.
 connect();

@@ -9,6 +9,9 @@ const TRAIL_STEP = 12;
 const TRAIL_POINTS = 44;
 const FOLLOW_WIDTH = 700; // Width in centimeters of the part of the map around a robot that is followed.
 const SIGNS = { unvisited: "", reserved: "→", visited: "•", won: "✓", lost: "✗" };
+const LETTER = 0.58; // Mean width of a letter, as a share of the size of the text.
+const LARGEST = 40; // Greatest size of texts in centimeters, so that they stay in their rooms.
+const EDGE = 13; // Distance in centimeters between the edge of a room and its texts.
 
 export class GameMap {
   constructor(act, name) {
@@ -24,12 +27,14 @@ export class GameMap {
     this.element = element("div", { class: "map" });
     this.element.append(this.svg);
     this.layers = Object.fromEntries(
-      ["unknown", "rooms", "walls", "paths", "trails", "bodies"].map((layer) => [layer, shape("g", { class: layer })]),
+      ["known", "unknown", "rooms", "walls", "paths", "trails", "bodies"].map((layer) => [layer, shape("g", { class: layer })]),
     );
     this.ground.append(...Object.values(this.layers));
     this.labels = shape("g", { class: "labels" });
     this.numbers = shape("g", { class: "numbers" });
     this.signs.append(this.labels, this.numbers);
+    this.sizes = new ResizeObserver(() => this.#measure());
+    this.sizes.observe(this.element);
     this.last = performance.now();
     this.#listen();
     const frame = (now) => {
@@ -41,12 +46,15 @@ export class GameMap {
 
   close() {
     cancelAnimationFrame(this.frame);
+    this.sizes.disconnect();
   }
 
   showFloor(floor) {
     this.floor = floor;
     const [x, y, theta] = floor.origin;
     const place = `translate(${x} ${y}) rotate(${(theta * 180) / 1000 / Math.PI}) scale(${floor.resolution})`;
+    const [left, bottom, right, top] = floor.box;
+    this.layers.known.replaceChildren(shape("rect", { x: left, y: bottom, width: right - left, height: top - bottom }));
     this.layers.unknown.replaceChildren(shape("path", { d: floor.unknown, transform: place, "fill-rule": "evenodd" }));
     this.layers.walls.replaceChildren(shape("path", { d: floor.walls, transform: place, "fill-rule": "evenodd" }));
     this.fit();
@@ -55,7 +63,7 @@ export class GameMap {
 
   show(page) {
     this.page = page;
-    if (!this.floor) return;
+    if (!this.floor || !this.unit) return;
     const tiles = new Map(page.tiles.map((tile) => [tile.room, tile]));
     const shown = this.floor.rooms.filter((room) => tiles.has(room.room));
     list(
@@ -76,18 +84,40 @@ export class GameMap {
       this.labels,
       shown,
       (room) => room.room,
-      (room) => {
-        const [x, y] = middle(room.corners);
-        return shape("g", { transform: `translate(${x} ${-y})` }, shape("text", { class: "room" }), shape("text", { class: "found", y: 34 }));
+      () => {
+        const sign = shape("g", { class: "sign" }, shape("circle", {}), shape("text", {}));
+        return shape("g", {}, shape("text", { class: "room" }), shape("text", { class: "name" }), sign, shape("text", { class: "found" }));
       },
-      (made, room) => {
-        const tile = tiles.get(room.room);
-        set(made.children[0], { text: `${tile.room} ${SIGNS[tile.state]}`.trim() });
-        set(made.children[1], { text: tile.found.at(-1) ?? "" });
-      },
+      (made, room) => this.#letter(made, room, tiles.get(room.room)),
     );
     page.robots.forEach((robot, index) => this.#showRobot(robot, index));
     if (page.followed !== null) this.fitted = false;
+  }
+
+  // Places the texts of a room: its number and name at the upper left, its sign at the upper right, its treasure below.
+  #letter(made, room, tile) {
+    const size = this.unit;
+    const [left, top, right, bottom] = edges(room.corners);
+    const space = (right - left - 2 * EDGE) / size;
+    const small = Math.min(0.82, space / 8);
+    const [number, name, sign, found] = made.children;
+    const x = left + EDGE;
+    set(number, { text: String(tile.room), x, y: top + EDGE + 0.8 * size, "font-size": 1.9 * size });
+    set(name, { text: fitting([tile.name], space / small), x, y: top + EDGE + 2.05 * size, "font-size": small * size });
+    set(sign, { transform: `translate(${right - EDGE - 0.6 * size} ${top + EDGE + 0.6 * size}) scale(${size})`, "data-state": tile.state, style: tile.robot === null ? null : `--robot: var(--robot${tile.robot % 10})` });
+    set(sign.lastChild, { text: SIGNS[tile.state] });
+    set(found, { text: fitting(tile.found, space / small), x, y: bottom - EDGE - 0.5 * size, "font-size": small * size });
+  }
+
+  // Keeps texts and signs at the size of the page's text, whatever part of the map is shown.
+  #measure() {
+    if (!this.view || !this.element.clientWidth) return;
+    const scale = Math.min(this.element.clientWidth / this.view[2], this.element.clientHeight / this.view[3]);
+    const unit = Math.min(parseFloat(getComputedStyle(document.documentElement).fontSize) / scale, LARGEST);
+    if (this.unit && Math.abs(unit / this.unit - 1) < 0.01) return;
+    this.unit = unit;
+    this.svg.style.setProperty("--unit", `${unit}px`);
+    if (this.page) this.show(this.page);
   }
 
   fit() {
@@ -98,21 +128,35 @@ export class GameMap {
     this.#look([left - edge, -top - edge, right - left + 2 * edge, top - bottom + 2 * edge]);
   }
 
+  // Returns true if a room is in the right half of the shown map.
+  isRight(number) {
+    const room = this.floor?.rooms.find((each) => each.room === number);
+    if (!room || !this.view) return false;
+    const [left, , right] = edges(room.corners);
+    return (left + right) / 2 > this.view[0] + this.view[2] / 2;
+  }
+
   #showRobot(robot, index) {
     let known = this.robots.get(index);
     if (!known) {
       const body = shape("polygon", { points: pairs(this.floor.footprint), style: `--robot: var(--robot${index % 10})` });
-      const nose = shape("path", { d: "M0 0H24" });
-      const made = shape("g", { class: "robot" }, body, nose);
+      const nose = shape("path", { d: "M-6 -12 12 0 -6 12 -1 0Z" });
+      const ring = shape("circle", { class: "ring", r: 50 });
+      const ellipse = shape("ellipse", { class: "ellipse" });
+      const made = shape("g", { class: "robot" }, ring, body, nose);
       made.robot = index;
-      const number = shape("text", { class: "number", text: String(index + 1) });
-      const path = shape("polyline", { style: `--robot: var(--robot${index % 10})` });
-      const trail = shape("polyline", { style: `--robot: var(--robot${index % 10})` });
-      this.layers.bodies.append(made);
+      const style = `--robot: var(--robot${index % 10})`;
+      const badge = shape("g", { class: "badge" }, shape("circle", {}), shape("text", { text: String(this.page.cards[index]?.number ?? index + 1) }));
+      const number = shape("g", { style }, badge);
+      const path = shape("polyline", {});
+      const flag = shape("path", { class: "flag" });
+      const trail = shape("polyline", { style });
+      const truth = shape("g", { class: "truth" }, shape("path", {}), shape("polygon", { points: pairs(this.floor.footprint) }));
+      this.layers.bodies.append(ellipse, truth, made);
       this.numbers.append(number);
-      this.layers.paths.append(path);
+      this.layers.paths.append(shape("g", { style }, path, flag));
       this.layers.trails.append(trail);
-      known = { x: robot.x, y: robot.y, theta: robot.theta / 1000, made, number, path, trail, points: [] };
+      known = { x: robot.x, y: robot.y, theta: robot.theta / 1000, made, number, badge, path, flag, trail, ellipse, truth, points: [] };
       this.robots.set(index, known);
     }
     if (robot.trail || Math.hypot(robot.x - known.x, robot.y - known.y) > JUMP) {
@@ -120,8 +164,19 @@ export class GameMap {
     }
     known.target = robot;
     set(known.made, { "data-selected": robot.selected, "data-trouble": robot.trouble, "data-commanded": !!robot.commander });
+    set(known.number, { "data-selected": robot.selected });
     set(known.path, { points: pairs(robot.path) });
     if (robot.trail) set(known.trail, { points: pairs(robot.trail) });
+    const [x, y] = robot.path.slice(-2);
+    set(known.flag, { d: x === undefined ? null : `M${x} ${y}v22l16 -7l-16 -7` });
+    const [major, minor, angle] = robot.ellipse ?? [0, 0, 0];
+    set(known.ellipse, { rx: major, ry: minor, transform: `translate(${robot.x} ${robot.y}) rotate(${degrees(angle)})` });
+    known.truth.style.display = robot.truth ? "" : "none";
+    if (robot.truth) {
+      const [trueX, trueY, theta] = robot.truth;
+      set(known.truth.firstChild, { d: `M${robot.x} ${robot.y}L${trueX} ${trueY}` });
+      set(known.truth.lastChild, { transform: `translate(${trueX} ${trueY}) rotate(${degrees(theta)})` });
+    }
   }
 
   #glide(now) {
@@ -129,7 +184,7 @@ export class GameMap {
     this.last = now;
     const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
     for (const [index, robot] of this.robots) {
-      if (!robot.target) continue;
+      if (!robot.target || !this.unit) continue;
       const step = still ? 1 : share;
       robot.x += step * (robot.target.x - robot.x);
       robot.y += step * (robot.target.y - robot.y);
@@ -137,6 +192,7 @@ export class GameMap {
       robot.theta += step * Math.atan2(Math.sin(turn), Math.cos(turn));
       set(robot.made, { transform: `translate(${robot.x.toFixed(1)} ${robot.y.toFixed(1)}) rotate(${((robot.theta * 180) / Math.PI).toFixed(1)})` });
       set(robot.number, { transform: `translate(${robot.x.toFixed(1)} ${(-robot.y).toFixed(1)})` });
+      set(robot.badge, { transform: `translate(0 ${(-42 - 0.6 * this.unit).toFixed(1)}) scale(${this.unit.toFixed(1)})` });
       const end = robot.points.at(-1);
       if (!robot.target.trail && (!end || Math.hypot(robot.x - end[0], robot.y - end[1]) >= TRAIL_STEP)) {
         robot.points.push([robot.x, robot.y]);
@@ -154,6 +210,7 @@ export class GameMap {
   #look(view) {
     this.view = view;
     set(this.svg, { viewBox: view.map((number) => number.toFixed(1)).join(" ") });
+    this.#measure();
   }
 
   #point(event) {
@@ -223,8 +280,17 @@ function pairs(numbers) {
   return points.join(" ");
 }
 
-function middle(corners) {
+// Smallest x, smallest y, greatest x and greatest y of corners, y downward.
+function edges(corners) {
   const xs = corners.filter((_, at) => at % 2 === 0);
   const ys = corners.filter((_, at) => at % 2 === 1);
-  return [(Math.min(...xs) + Math.max(...xs)) / 2, (Math.min(...ys) + Math.max(...ys)) / 2];
+  return [Math.min(...xs), -Math.max(...ys), Math.max(...xs), -Math.min(...ys)];
+}
+
+function fitting(texts, space) {
+  return texts.find((text) => text.length * LETTER <= space) ?? "";
+}
+
+function degrees(thousandths) {
+  return ((thousandths * 180) / 1000 / Math.PI).toFixed(1);
 }

@@ -45,6 +45,7 @@ class Page {
   start() {
     (this.element.querySelector("[tabindex], button") ?? this.element).focus({ preventScroll: true });
     window.scrollTo(0, 0);
+    document.getElementById("main").scrollTo(0, 0);
   }
 
   plainButton(label, key, press, weight = "plain", hint = "") {
@@ -420,9 +421,10 @@ class Item {
       }
       field.append(row);
     } else if (item.scale === "analogue") {
-      this.range = element("input", { type: "range", min: item.minimum, max: item.maximum, step: 1, "aria-label": `${item.question} ${item.ends.join(" – ")}`, title: item.hint, "data-unmarked": true });
+      this.range = element("input", { type: "range", min: item.minimum, max: item.maximum, step: item.step, "aria-label": `${item.question} ${item.ends.join(" – ")}`, title: item.hint, "data-unmarked": true });
       for (const kind of ["input", "click"]) this.range.addEventListener(kind, () => { this.touch(); this.value = null; this.#set(Number(this.range.value)); });
-      field.append(this.range, element("p", { class: "ends muted", "aria-hidden": "true" }, ...item.ends.map((end) => element("span", { text: end }))));
+      this.range.addEventListener("keydown", (event) => this.#rangeKey(event));
+      field.append(element("div", { class: "line", "data-steps": item.ticks, style: `--steps: ${item.ticks}` }, this.range), element("p", { class: "ends muted", "aria-hidden": "true" }, ...item.ends.map((end) => element("span", { text: end }))));
     } else {
       const isText = item.scale === "text" && !item.one_line;
       this.box = isText
@@ -435,6 +437,16 @@ class Item {
       });
       field.append(this.box);
       if (item.unit) field.append(element("span", { class: "muted", text: ` ${item.unit}` }));
+    }
+  }
+
+  // The first arrow key sets the mark in the middle, the next ones move it.
+  #rangeKey(event) {
+    if (event.key === "Enter" && !event.ctrlKey && this.value !== null) this.#next();
+    else if (event.key.startsWith("Arrow") && this.value === null) {
+      event.preventDefault();
+      this.touch();
+      this.#set(Number(this.range.value));
     }
   }
 
