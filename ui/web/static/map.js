@@ -103,8 +103,8 @@ export class GameMap {
     const [number, name, sign, found] = made.children;
     const x = left + EDGE;
     set(number, { text: String(tile.room), x, y: top + EDGE + 0.8 * size, "font-size": 1.9 * size });
-    set(name, { text: fitting([tile.name], space / small), x, y: top + EDGE + 2.05 * size, "font-size": small * size });
-    set(sign, { transform: `translate(${right - EDGE - 0.6 * size} ${top + EDGE + 0.6 * size}) scale(${size})`, "data-state": tile.state, style: tile.robot === null ? null : `--robot: var(--robot${tile.robot % 10})` });
+    set(name, { text: fitting([room.name], space / small), x, y: top + EDGE + 2.05 * size, "font-size": small * size });
+    set(sign, { transform: `translate(${right - EDGE - 0.6 * size} ${top + EDGE + 0.6 * size}) scale(${size})`, "data-state": tile.state, style: (tile.robot ?? null) === null ? null : `--robot: var(--robot${tile.robot % 10})` });
     set(sign.lastChild, { text: SIGNS[tile.state] });
     set(found, { text: fitting(tile.found, space / small), x, y: bottom - EDGE - 0.5 * size, "font-size": small * size });
   }
