@@ -61,8 +61,9 @@ peers: setup ## Install the programs for tests/peers: MAVLink clients, ROS tools
 maps: setup ## Draw the maps of the project again.
 	$(BIN)/python scripts/draw/maps.py
 
-pictures: setup ## Draw the windows for docs/reference/windows-gallery.md again.
+pictures: setup ## Draw the windows and the pages of the browser for the galleries in docs/reference again.
 	$(BIN)/python scripts/draw/windows.py $(ARGS)
+	if [ -x /usr/bin/chromium ]; then $(BIN)/python scripts/draw/pages.py; fi
 
 # Contents of requirements.lock: all extras, and the packages for tests and checks.
 WANTED = pyproject.toml $(addprefix --extra ,gui web argumentation cluster learning markers foxglove) --group dev --python-version 3.11
