@@ -24,7 +24,7 @@ from ui.hosting.kiosk import words
 from ui.hosting.kiosk.course import StudyCourse
 from ui.hosting.kiosk.game_steps import StudyClock
 from ui.hosting.kiosk.games import KioskStopped
-from ui.hosting.kiosk.pages import KioskPages, RunOver
+from ui.hosting.kiosk.pages import KioskPages
 from ui.model.kiosk import HostStops, ResearcherMessage, StudyTexts, TextToRead, WentOn
 from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.entry import LinkEntry
@@ -163,9 +163,6 @@ class StudyVisits:
         self.here[participant] = PersonHere(visitor, pages)
         if run.message:
             await visitor.window.send(ResearcherMessage(run.message))
-        if again and not self._is_playing(run):
-            with contextlib.suppress(RunOver):
-                await pages.read(TextToRead(0, *words.headed(self.texts, "restarted")))
         if run.state is RunState.UNDER_WAY:
             await course.go_through(participant, again=again)
         elif not run.farewell_read:
@@ -193,12 +190,6 @@ class StudyVisits:
             await pages.show(TextToRead(0, heading, text, button=self.texts.text("web.wait_again")))
             while not isinstance(await pages.next(), WentOn):
                 pass
-
-    def _is_playing(self, run: Run) -> bool:
-        """Return True if a worker plays a game of the person, so that nothing was interrupted for them."""
-        step = self._conductor.progress.next_step(run.participant)
-        key = "" if step is None else game_key(run, step)
-        return any(self._pool.games.is_running(each) for each in (key, f"{key}-practice"))
 
     async def _admit(self, course: StudyCourse, pages: KioskPages, entry: LinkEntry) -> Run | None:
         """Show the first page until a visitor has a place; return their run, or None if the study is full."""
