@@ -240,7 +240,7 @@ class Trial:
     def p95(self) -> float:
         """95th percentile of the time from an act to the next page, seconds."""
         times = self.measured.times
-        return statistics.quantiles(times, n=20)[-1] if len(times) > 1 else float("inf")
+        return statistics.quantiles(times, n=20, method="inclusive")[-1] if len(times) > 1 else float("inf")
 
     @property
     def holds(self) -> bool:
