@@ -52,10 +52,12 @@ class PageStream:
     A browser that connects, or connects again, gets a new stream: its first page is complete.
 
     Args:
-        send: function that sends one message.
+        send: function that sends one message; None while the browser is not connected.
+        first: number of the first page.
     """
 
-    send: Callable[[dict[str, Json]], None]
+    send: Callable[[dict[str, Json]], None] | None
+    first: int
     page: BrowserPage | None = None
     texts: Texts | None = None
     floor: FloorPlan | None = None
@@ -63,6 +65,11 @@ class PageStream:
     unseen: dict[int, _SentPage] = field(default_factory=dict)
     seen: _SentPage | None = None
     guard: AnswerGuard = field(default_factory=AnswerGuard)
+
+    @property
+    def is_full(self) -> bool:
+        """True if the browser must paint a page before it receives another one."""
+        return sum(number >= self.first for number in self.unseen) >= MOST_UNSEEN
 
 
 class SeatConnection(Protocol):
@@ -134,9 +141,20 @@ class GameSeat:
         """Leave the game."""
         self._stopped = True
 
-    def show_to(self, send: Callable[[dict[str, Json]], None] | None) -> None:
-        """Send all pages to this browser from now on, beginning with a complete page. If None, send no pages."""
-        self._stream = None if send is None else PageStream(send)
+    def show_to(self, send: Callable[[dict[str, Json]], None] | None, *, again: bool = False) -> None:
+        """Send all pages to this browser from now on, beginning with a complete page. If None, send no pages.
+
+        If `again` is True, the page of the last browser has connected again. It may still send messages about pages
+        that it received before.
+        """
+        before = self._stream
+        if send is None:
+            if before is not None:
+                before.send = None
+            return
+        self._stream = PageStream(send, self._number + 1)
+        if again and before is not None:
+            self._stream.unseen, self._stream.seen, self._stream.guard = before.unseen, before.seen, before.guard
         self._due = 0.0
 
     def receive(self, message: FromGamePage) -> None:
@@ -176,7 +194,7 @@ class GameSeat:
 
     def _send_page(self, now: float) -> None:
         stream = self._stream
-        if stream is None or len(stream.unseen) >= MOST_UNSEEN:
+        if stream is None or stream.send is None or stream.is_full:
             return
         screen = self._model.screen(now)
         texts = self._model.texts

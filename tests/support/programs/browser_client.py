@@ -3,7 +3,9 @@
 import asyncio
 import http.client
 import json
+import math
 import secrets
+import socket
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -12,6 +14,9 @@ from typing import Any
 
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
+
+SILENCE = 6000.0
+"""Milliseconds without any message of the server after which the page connects again."""
 
 
 @dataclass
@@ -24,6 +29,8 @@ class BrowserClient:
         study: messages about pages of the study, newest last.
         tree: tree of the game's page; empty before.
         texts: all text that it has received, to be searched.
+        host: host of the gateway.
+        dial: function that returns a socket connected to the gateway, for a browser on another machine.
         tab: name of the tab.
         visible: True if the page is visible.
         answers: True if it answers heartbeats.
@@ -38,27 +45,57 @@ class BrowserClient:
     tab: str = field(default_factory=lambda: secrets.token_hex(8))
     visible: bool = True
     answers: bool = True
+    host: str = "127.0.0.1"
+    dial: Callable[[], socket.socket] | None = None
+    _outbox: list[str] = field(default_factory=list)
+    _confirmed: int = 0
     _left: int = 0
     _painted: asyncio.Event = field(default_factory=asyncio.Event)
+    _game: int = 0
+    _heard_at: float = math.inf
     _socket: ClientConnection | None = None
     _reading: asyncio.Task[None] | None = None
 
     def load(self, query: str = "") -> str:
-        """Load the page, with these parameters in its address; keep the cookie."""
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
+        """Load the page in a new tab, with these parameters in its address; keep the cookie."""
+        connection = http.client.HTTPConnection(self.host, self.port, timeout=20)
+        connection.sock = self._dial()
         connection.request("GET", f"/{query}", headers={"Cookie": self.cookie} if self.cookie else {})
         answer = connection.getresponse()
         self.cookie = (answer.getheader("set-cookie") or self.cookie).partition(";")[0]
+        self.tab = secrets.token_hex(8)
+        self._outbox, self._confirmed, self._game = [], 0, 0
         return answer.read().decode()
 
     async def open(self, origin: str | None = None) -> None:
-        """Connect, and read from now on."""
+        """Connect, send what the server has not confirmed, and read from now on."""
+        here = f"{self.host}:{self.port}"
+        connection = await asyncio.to_thread(self._dial)
         self._socket = await connect(
-            f"ws://127.0.0.1:{self.port}/socket?tab={self.tab}",
-            origin=origin or f"http://127.0.0.1:{self.port}",  # type: ignore[arg-type]
+            f"ws://{here}/socket?tab={self.tab}&first={self._confirmed}",
+            origin=origin or f"http://{here}",  # type: ignore[arg-type]
             additional_headers={"Cookie": self.cookie},
+            sock=connection,
         )
+        with suppress(ConnectionClosed):
+            for text in self._outbox:
+                await self._socket.send(text)
         self._reading = asyncio.create_task(self._read(self._socket))
+
+    async def keep_connected(self) -> None:
+        """Connect again, as the page does, whenever the connection is lost or silent; until cancelled."""
+        while True:
+            await asyncio.sleep(0.1)
+            if self.is_connected and self.now - self._heard_at < SILENCE:
+                continue
+            self.abort()
+            self._heard_at = self.now
+            with suppress(OSError, InvalidHandshake, ConnectionClosed):
+                async with asyncio.timeout(SILENCE / 1000.0):
+                    await self.open()
+
+    def _dial(self) -> socket.socket:
+        return self.dial() if self.dial else socket.create_connection((self.host, self.port), 20)
 
     @classmethod
     async def arrived(cls, port: int, query: str = "", cookie: str = "") -> "BrowserClient":
@@ -108,6 +145,16 @@ class BrowserClient:
         if self.shown["t"] == "recorded":
             await self.send({"type": "WentOn", "page": self.shown["page"]})
 
+    @property
+    def is_connected(self) -> bool:
+        """True while the connection is open."""
+        return self._reading is not None and not self._reading.done()
+
+    def abort(self) -> None:
+        """Break the connection at once, as if the browser were killed."""
+        if self._socket is not None:
+            self._socket.transport.abort()
+
     async def close(self) -> None:
         """Close the connection."""
         if self._socket is not None:
@@ -116,9 +163,10 @@ class BrowserClient:
             await asyncio.gather(self._reading, return_exceptions=True)
 
     async def send(self, message: dict[str, Any]) -> None:
-        """Send a message."""
+        """Send a message, which is sent again after a lost connection."""
         assert self._socket is not None
-        await self._socket.send(json.dumps(message, separators=(",", ":")))
+        self._outbox.append(json.dumps(message, separators=(",", ":")))
+        await self._socket.send(self._outbox[-1])
 
     async def send_text(self, text: str | bytes) -> None:
         """Send a message that need not be valid."""
@@ -157,19 +205,23 @@ class BrowserClient:
         """The browser's clock, milliseconds."""
         return time.monotonic() * 1000.0
 
-    async def _read(self, socket: ClientConnection) -> None:
+    async def _read(self, connection: ClientConnection) -> None:
         with suppress(ConnectionClosed):
-            await self._read_all(socket)
+            await self._read_all(connection)
 
-    async def _read_all(self, socket: ClientConnection) -> None:
-        async for text in socket:
+    async def _read_all(self, connection: ClientConnection) -> None:
+        async for text in connection:
+            self._heard_at = self.now
             self.texts.append(str(text))
             message = json.loads(text)
             match message["t"]:
                 case "ping" if not self.answers:
                     pass
                 case "ping":
-                    await self.send({"t": "pong", "at": message["at"], "visible": self.visible})
+                    del self._outbox[: message["heard"] - self._confirmed]
+                    self._confirmed = message["heard"]
+                    pong = {"t": "pong", "at": message["at"], "visible": self.visible}
+                    await connection.send(json.dumps(pong, separators=(",", ":")))
                 case "page":
                     self.tree = applied(self.tree, message["p"])
                     self.number = message["n"]
@@ -177,6 +229,11 @@ class BrowserClient:
                     await self.send({"t": "painted", "n": self.number, "at": self.now})
                 case "floor" | "picture":
                     pass
+                case "game":
+                    if message["page"] != self._game:
+                        # The page of another game, or of the same game in another process, begins without contents.
+                        self.tree, self.number, self._game = {}, 0, message["page"]
+                    self.study.append(message)
                 case _:
                     self.study.append(message)
 

@@ -30,6 +30,8 @@ from ui.web.seat import encoded
 
 STATIC = Path(__file__).parents[1] / "static"
 COOKIE = "thbridge"
+COOKIE_SECONDS = 24 * 3600
+"""Seconds for which a browser keeps its cookie, also if the browser crashes or is closed."""
 PING_PERIOD = 2.0
 """Seconds between two heartbeats."""
 SILENCE = 8.0
@@ -54,6 +56,7 @@ OTHER_TAB_DELAY = 1.0
 _SECRET = re.compile(r"[\w-]{32}", re.ASCII)
 _TAB = re.compile(r"[0-9a-f]{16}")
 _PLACEHOLDER = re.compile(r"\{\{([\w.]+)\}\}")
+_NUMBER = re.compile(r"[0-9]{1,9}", re.ASCII)
 
 
 def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: DeskSockets | None = None) -> Starlette:
@@ -84,7 +87,7 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: De
         response = HTMLResponse(index)
         secure = request.url.scheme == "https"
         # Lax, because people come by a link from another site, also when they come back.
-        response.set_cookie(COOKIE, secret, httponly=True, samesite="lax", secure=secure, path="/")
+        response.set_cookie(COOKIE, secret, COOKIE_SECONDS, httponly=True, samesite="lax", secure=secure, path="/")
         return _guarded(response)
 
     troubles = PageTroubles(limits.refusals)
@@ -220,11 +223,12 @@ async def _serve(websocket: WebSocket, visitor: Visitor, limits: ClientLimits) -
         if tab in visitor.others:
             send(encoded(visitor.window.elsewhere()))
 
-    name = websocket.query_params.get("tab", "")
-    tab = Tab(name if _TAB.fullmatch(name) else "", send, inform, close)
+    name, first = (websocket.query_params.get(key, "") for key in ("tab", "first"))
+    known = _TAB.fullmatch(name) and _NUMBER.fullmatch(first)
+    tab = Tab(name if known else "", int(first) if known else 0, send, inform, close)
     visitor.connect(tab)
     sending = asyncio.create_task(_send(websocket, waiting))
-    beating = asyncio.create_task(_beat(send))
+    beating = asyncio.create_task(_beat(send, tab))
     closing = (1000, "")
     try:
         await _receive(websocket, visitor, tab, limits)
@@ -247,9 +251,9 @@ async def _send(websocket: WebSocket, waiting: "asyncio.Queue[str | None]") -> N
     await websocket.close(4000)
 
 
-async def _beat(send: Callable[[str], None]) -> None:
+async def _beat(send: Callable[[str], None], tab: Tab) -> None:
     while True:
-        send(f'{{"t":"ping","at":{time.monotonic() * 1000.0:.1f}}}')
+        send(f'{{"t":"ping","at":{time.monotonic() * 1000.0:.1f},"heard":{tab.number}}}')
         await asyncio.sleep(PING_PERIOD)
 
 
@@ -263,12 +267,16 @@ async def _receive(websocket: WebSocket, visitor: Visitor, tab: Tab, limits: Cli
             limits.refusals.warn(f"{_address(websocket)} sends too many messages; they are processed later.")
             await asyncio.sleep(delay)
         limits.messages.take(visitor.secret, cost)
+        is_pong = text.startswith('{"t":"pong"')
         if text == TAKE_OVER:
             visitor.take_over(tab)
         elif tab is not visitor.live:
             pass  # Another tab is live, and this one may only answer heartbeats.
-        elif text.startswith('{"t":"pong"'):
+        elif is_pong:
             pong = _PONG.decode(text)
             visitor.note_pong(time.monotonic() * 1000.0 - pong.at, visible=pong.visible)
-        else:
+        elif visitor.inbox.is_new(tab.number):
             visitor.window.receive(text)
+            visitor.inbox.note(tab.number)
+        if not is_pong:
+            tab.number += 1

@@ -20,7 +20,7 @@ from ui.model.kiosk import (
     ToKiosk,
     WentOn,
 )
-from ui.web.page.messages import FROM_GAME_PAGE
+from ui.web.page.messages import FROM_GAME_PAGE, leads_on
 from ui.web.page.patches import Json
 from ui.web.page.study_page import StudyPageMaker
 from ui.web.pool.pool import HostedGame
@@ -118,13 +118,13 @@ class BrowserWindow:
 
     # The browser's side
 
-    def connect(self, send: Callable[[str], None]) -> None:
-        """Show everything to this browser from now on."""
+    def connect(self, send: Callable[[str], None], *, again: bool = False) -> None:
+        """Show everything to this browser from now on; `again` is True if the page of the last one connects again."""
         self._send_text, self._gone_at = send, None
         for message in self._kept:
             self._show(message)
         if self._game is not None:
-            self._game.join()
+            self._game.join(again=again)
 
     def elsewhere(self) -> dict[str, Json]:
         """Return the page for a tab while another tab is live."""
@@ -143,9 +143,12 @@ class BrowserWindow:
             msgspec.MsgspecError: the message is malformed.
         """
         if text.startswith(GAME_MESSAGES):
-            FROM_GAME_PAGE.decode(text)
+            about_game = FROM_GAME_PAGE.decode(text)
             if self._game is not None:
                 self._game.pass_on(text)
+            elif leads_on(about_game):
+                # The worker ends with the game, and people may read the result for longer.
+                self.note_went_on()
             return
         message = KIOSK.decode_from_window(text.encode())
         if isinstance(message, MessageClosed):

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.entry import EntryRule, LinkEntry
+from ui.web.gateway.inbox import Inbox
 
 MOST_EXPECTED = 10_000
 """Maximum number of browsers that have loaded the page but not connected yet; further browsers replace the oldest."""
@@ -26,13 +27,16 @@ class Tab:
     """Page of a visitor that is connected.
 
     Attributes:
-        name: random name that the page has given itself; it keeps the name when it connects again. May be empty.
+        name: random name that the page has given itself; it keeps the name when it connects again. If empty, its
+            messages have no numbers.
+        number: number of its next message.
         send: function that sends a message to the page.
         inform: function that informs the page that another tab is live.
         close: function that closes the connection.
     """
 
     name: str
+    number: int
     send: Callable[[str], None]
     inform: Callable[[], None]
     close: Callable[[], None]
@@ -52,6 +56,7 @@ class Visitor:
         round_trip: last measured round-trip time in milliseconds; None before the first.
         greatest_round_trip: largest round-trip time since it was last set to 0, milliseconds.
         present_at: monotonic time at which the page was last known to be connected and visible.
+        inbox: messages of their live tab that were processed.
     """
 
     secret: str
@@ -63,6 +68,7 @@ class Visitor:
     round_trip: float | None = None
     greatest_round_trip: float = 0.0
     present_at: float = field(default_factory=time.monotonic)
+    inbox: Inbox = field(default_factory=Inbox)
 
     def connect(self, tab: Tab) -> None:
         """Make a tab live if there is no other live tab; otherwise inform it of the live tab."""
@@ -85,7 +91,7 @@ class Visitor:
             else:
                 self.others.append(before)
                 before.inform()
-        self.window.connect(tab.send)
+        self.window.connect(tab.send, again=self.inbox.connect(tab.name, tab.number))
 
     def disconnect(self, tab: Tab) -> None:
         """Note that a tab is gone. If it was live, the latest of the other tabs takes over."""

@@ -9,7 +9,8 @@ from typing import TypeAlias
 import msgspec
 
 from ui.model.playing import screen
-from ui.model.playing.screen import Act
+from ui.model.playing.keys import OVER
+from ui.model.playing.screen import Act, GoOnFromGame
 
 
 class PagePainted(msgspec.Struct, frozen=True, tag_field="t", tag="painted"):
@@ -62,3 +63,14 @@ def decode_act(given: "dict[str, str | int | bool | None]") -> Act | None:
         return msgspec.convert(fields, kind, strict=True)
     except msgspec.ValidationError:
         return None
+
+
+def leads_on(message: FromGamePage) -> bool:
+    """Return True if a message leads from the page of an ended game to the next part of the study."""
+    match message:
+        case ActDone(act=given):
+            return decode_act(given) == GoOnFromGame()
+        case KeyPressed(key=key):
+            return any(key in binding.keys for binding in OVER if binding.act == GoOnFromGame())
+        case _:
+            return False

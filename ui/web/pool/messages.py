@@ -20,10 +20,12 @@ class GatewayHello(msgspec.Struct, frozen=True, tag="hello"):
 class BrowserJoined(msgspec.Struct, frozen=True, tag="joined"):
     """Gateway: a browser shows the game from now on; it has received nothing yet.
 
-    `stream` numbers the browsers, because messages for an earlier browser may still be on their way.
+    `stream` numbers the browsers, because messages for an earlier browser may still be on their way. `again` is True if
+    the page of the last browser has connected again.
     """
 
     stream: int
+    again: bool = False
 
 
 class BrowserLeft(msgspec.Struct, frozen=True, tag="left"):

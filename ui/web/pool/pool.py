@@ -96,10 +96,10 @@ class HostedGame:
         self._stream = 0
         self.over = False
 
-    def join(self) -> None:
-        """Let the browser show the game from its present state on."""
+    def join(self, *, again: bool = False) -> None:
+        """Let the browser show the game from its present state on; `again` is as in `BrowserJoined`."""
         self._stream += 1
-        self._send(BrowserJoined(self._stream))
+        self._send(BrowserJoined(self._stream, again))
 
     def part(self) -> None:
         """Note that no browser shows the game."""

@@ -291,10 +291,10 @@ class Worker:
 
     def _receive(self, message: object) -> None:
         match message:
-            case BrowserJoined(stream):
+            case BrowserJoined(stream, again):
                 self._browser, self._stream = True, stream
                 if self._seat is not None:
-                    self._seat.show_to(self._show)
+                    self._seat.show_to(self._show, again=again)
             case BrowserLeft():
                 self._leave_browser()
             case FromBrowser(text) if self._seat is not None:

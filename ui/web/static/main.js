@@ -19,38 +19,73 @@ let retries = 0;
 let instructions = [];
 let ended = false;
 
-function send(message) {
-  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
-}
-
 // A page that connects again is the same tab, also after its network address has changed.
 const tab = [...crypto.getRandomValues(new Uint8Array(8))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
 
+const SILENCE = 6000; // Milliseconds without any message of the server after which the connection counts as lost.
+const outbox = []; // Messages that the server has not confirmed, in their order.
+let confirmed = 0; // Number of messages that it has confirmed.
+let heardAt = 0;
+
+function send(message) {
+  outbox.push(JSON.stringify(message));
+  transmit(outbox.at(-1));
+}
+
+function transmit(text) {
+  if (socket?.readyState === WebSocket.OPEN) socket.send(text);
+}
+
+function confirm(number) {
+  outbox.splice(0, number - confirmed);
+  confirmed = number;
+}
+
 function connect() {
-  socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket?tab=${tab}`);
-  socket.addEventListener("open", () => {
+  const address = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket?tab=${tab}&first=${confirmed}`;
+  const made = (socket = new WebSocket(address));
+  heardAt = performance.now();
+  made.addEventListener("open", () => {
+    if (made !== socket) return;
     retries = 0;
     connection.hidden = true;
+    outbox.forEach(transmit);
     send({ type: "FocusNews", has_focus: document.hasFocus(), window_ns: Math.round(performance.now() * 1e6) });
   });
-  socket.addEventListener("message", ({ data }) => receive(JSON.parse(data)));
-  socket.addEventListener("close", ({ code }) => {
-    if (ended) return;
-    if (code === 4403) {
-      // The server no longer knows this page, unless it never knew it: then the browser does not keep the cookie.
-      if (Object.keys(words).length) location.reload();
-      else set(connection, { text: connection.dataset.cookies, hidden: false });
-      return;
+  made.addEventListener("message", ({ data }) => {
+    if (made !== socket) return;
+    heardAt = performance.now();
+    receive(JSON.parse(data));
+  });
+  made.addEventListener("close", ({ code }) => {
+    if (made !== socket || ended) return;
+    if (code !== 4403) lose();
+    // The server no longer knows this page, unless it never knew it: then the browser does not keep the cookie.
+    else if (Object.keys(words).length) location.reload();
+    else {
+      ended = true;
+      set(connection, { text: connection.dataset.cookies, hidden: false });
     }
-    connection.hidden = false;
-    setTimeout(connect, Math.min(250 * 2 ** retries++, 3000));
   });
 }
+
+// Give up the connection, and connect again.
+function lose(delay = Math.min(250 * 2 ** retries++, 3000)) {
+  socket?.close();
+  socket = null;
+  connection.hidden = false;
+  setTimeout(() => socket ?? connect(), delay);
+}
+
+// A network that is gone closes no connection.
+setInterval(() => socket && !ended && performance.now() - heardAt > SILENCE && lose(0), 1000);
+window.addEventListener("online", () => !ended && lose(0));
 
 function receive(message) {
   switch (message.t) {
     case "ping":
-      send({ t: "pong", at: message.at, visible: document.visibilityState === "visible" });
+      confirm(message.heard);
+      transmit(JSON.stringify({ t: "pong", at: message.at, visible: document.visibilityState === "visible" }));
       break;
     case "words":
       words = message.words;
@@ -116,17 +151,22 @@ function replace(next) {
   showStrip();
 }
 
+function isShown(message) {
+  return message.page > 0 && page?.message.t === message.t && page.message.page === message.page;
+}
+
 function showPage(message) {
-  if (page?.update && page.message.t === message.t && page.message.page === message.page && !game) {
-    page.update(message);
+  if (isShown(message)) {
+    // After a lost connection, the page has answers that the server does not have yet.
+    page.update?.(message);
     return;
   }
-  if (page?.message && page.message.page === message.page && JSON.stringify(page.message) === JSON.stringify(message) && !game) return;
   replace(new PAGES[message.t](message, send));
   page.start();
 }
 
 function showGame(message) {
+  if (isShown(message)) return;
   const shown = new GamePage(words, send, openSettings);
   replace({ element: shown.element, message, close() {} });
   game = shown;
