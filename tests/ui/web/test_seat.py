@@ -1,7 +1,7 @@
 """Seat of a person in a game."""
 
 from thbridge.files.language_texts import shipped_texts
-from thbridge.sockets.addresses import ListeningAddress
+from ui.sources.game import GameConnection
 from ui.web.page.messages import KeyPressed, PagePainted
 from ui.web.page.patches import Json
 from ui.web.seat import GameSeat
@@ -10,8 +10,7 @@ from ui.web.seat import GameSeat
 def test_the_age_of_a_view_is_the_time_from_its_sending_to_the_act() -> None:
     now, sent, acts = [10.0], list[dict[str, Json]](), list[tuple[str, float]]()
     seat = GameSeat(
-        ListeningAddress("127.0.0.1", 1),
-        "token",
+        lambda report: GameConnection("127.0.0.1", 1, "token", report, None),
         shipped_texts(),
         acted=lambda act, view_age: acts.append((act, view_age)),
         clock=lambda: now[0],
