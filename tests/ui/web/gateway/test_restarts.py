@@ -70,7 +70,7 @@ def test_a_drained_server_starts_nothing_ends_after_its_games_and_is_the_only_on
         first = await BrowserClient.arrived(port)
         await begun(first)
 
-        second = run_thbridge(tmp_path, "serve", str(study), "--port", "0")
+        second = await asyncio.to_thread(run_thbridge, tmp_path, "serve", str(study), "--port", "0")
         assert second.returncode == 2
         assert "another server serves this folder" in second.stderr
 
