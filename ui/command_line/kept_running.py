@@ -14,10 +14,8 @@ import typer
 
 from ui.command_line.terminal import FAILED, fail, note
 
-MOST_DEATHS = 5
-"""Number of deaths in a row after which the server is not started again."""
-SOON = 10.0
-"""A child that lived for fewer seconds than this died at its start."""
+MOST_DEATHS, WITHIN = 30, 60.0
+"""Number of deaths within this number of seconds after which the server is not started again."""
 _STOPS = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -30,9 +28,8 @@ def keep_running() -> None:
     Raises:
         typer.Exit: in the parent, after the child has ended.
     """
-    deaths = 0
+    deaths: list[float] = []
     while True:
-        began = time.monotonic()
         alive, pulse = os.pipe()
         child = os.fork()
         if child == 0:
@@ -47,8 +44,9 @@ def keep_running() -> None:
         if -code in _STOPS:
             signal.signal(-code, signal.SIG_DFL)
             os.kill(os.getpid(), -code)
-        deaths = deaths + 1 if time.monotonic() - began < SOON else 1
-        if deaths == MOST_DEATHS:
+        now = time.monotonic()
+        deaths = [*(at for at in deaths if now - at < WITHIN), now]
+        if len(deaths) == MOST_DEATHS:
             fail(FAILED, f"The server has died {MOST_DEATHS} times. `thbridge doctor` checks this machine.")
         note(f"The server was ended by {signal.Signals(-code).name}. It is started again; games go on.")
 
