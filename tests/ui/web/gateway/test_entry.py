@@ -98,7 +98,6 @@ def test_a_code_admits_one_person_who_continues_in_another_browser(study: Callab
         async with served(folder) as (port, conductor):
             # The page has removed the code from its address. The browser is known by its cookie.
             back = await BrowserClient.arrived(port, "", changed.cookie)
-            await back.press_button()
             await answered(back, "why", "because")
             await back.press_button()
             await back.until(lambda: not back.shown.get("button"))
