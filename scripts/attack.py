@@ -882,7 +882,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seed", type=int, default=1, help="random seed")
     parser.add_argument(
-        "--scale", type=int, default=1, help="size of the attacks: 1 takes a minute or two, 10 is the original size"
+        "--scale", type=int, default=1, help="size of the attacks: 1 takes some minutes, 10 is the original size"
     )
     parser.add_argument("--only", default="", help="run only attacks with this text in their name")
     parser.add_argument(
