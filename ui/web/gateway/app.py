@@ -10,13 +10,14 @@ from pathlib import Path
 
 import msgspec
 from starlette.applications import Starlette
+from starlette.datastructures import MutableHeaders
 from starlette.middleware import Middleware
 from starlette.middleware.gzip import GZipMiddleware
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from thbridge.dialogue.wording.texts import Texts
@@ -44,6 +45,12 @@ POLICY = (
 )
 
 
+HEADERS = {
+    "Content-Security-Policy": POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+}
+"""Headers of all answers."""
 UNKNOWN, TOO_OFTEN, MALFORMED, BUSY = 4403, 4429, 1008, 1013
 """Reasons for which the gateway closes a socket: the page must be loaded again; connected too often; a malformed
 message; too many visitors."""
@@ -75,20 +82,21 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: De
 
     async def page(request: Request) -> Response:
         secret, address = request.cookies.get(COOKIE, ""), _address(request)
-        if limits.failures.delay(address):
+        # People whose browsers are known go on, even if others in their network try links.
+        if limits.failures.delay(address) and (request.query_params or not visitors.knows(secret)):
             limits.refusals.warn(f"{address} has tried too many links; it gets no page for some seconds.")
-            return _guarded(PlainTextResponse(too_many, 429, {"Retry-After": "10"}))
+            return _fresh(PlainTextResponse(too_many, 429, {"Retry-After": "10"}))
         try:
             secret = visitors.expect(secret if _SECRET.fullmatch(secret) else "", request.query_params)
         except EntryRefused as refused:
             if refused.fault is LinkFault.UNKNOWN:
                 limits.failures.take(address)
-            return _guarded(HTMLResponse(notices[refused.fault], 403))
+            return _fresh(HTMLResponse(notices[refused.fault], 403))
         response = HTMLResponse(index)
         secure = request.url.scheme == "https"
         # Lax, because people come by a link from another site, also when they come back.
         response.set_cookie(COOKIE, secret, COOKIE_SECONDS, httponly=True, samesite="lax", secure=secure, path="/")
-        return _guarded(response)
+        return _fresh(response)
 
     troubles = PageTroubles(limits.refusals)
 
@@ -99,7 +107,7 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: De
         return _guarded(await troubles.receive(request, secret))
 
     async def theme(_request: Request) -> Response:
-        return _guarded(PlainTextResponse(THEME_CSS, media_type="text/css"))
+        return _fresh(PlainTextResponse(THEME_CSS, media_type="text/css"))
 
     async def socket(websocket: WebSocket) -> None:
         secret, address = websocket.cookies.get(COOKIE, ""), _address(websocket)
@@ -120,7 +128,7 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: De
     desk_page = _filled("desk.html", texts, {})
 
     async def show_desk(_request: Request) -> Response:
-        return _guarded(HTMLResponse(desk_page))
+        return _fresh(HTMLResponse(desk_page))
 
     async def desk_socket(websocket: WebSocket) -> None:
         address = _address(websocket)
@@ -140,12 +148,12 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: De
             WebSocketRoute("/socket", socket),
             Mount("/static", StaticFiles(directory=STATIC)),
         ],
-        middleware=[Middleware(GZipMiddleware), Middleware(_LimitedRequests, limits=limits, refusal=too_many)],
+        middleware=[Middleware(GZipMiddleware), Middleware(_GuardedRequests, limits=limits, refusal=too_many)],
     )
 
 
-class _LimitedRequests:
-    """Limit of requests for each address."""
+class _GuardedRequests:
+    """Limit of requests for each address, and headers that forbid what no page needs."""
 
     def __init__(self, app: ASGIApp, limits: ClientLimits, refusal: str) -> None:
         self._app, self._limits = app, limits
@@ -158,7 +166,13 @@ class _LimitedRequests:
                 self._limits.refusals.warn(f"{address} loads too many pages; it gets no page for some seconds.")
                 await self._refusal(scope, receive, send)
                 return
-        await self._app(scope, receive, send)
+
+        async def guarded(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                MutableHeaders(scope=message).update(HEADERS)
+            await send(message)
+
+        await self._app(scope, receive, guarded)
 
 
 def _address(connection: HTTPConnection) -> str:
@@ -173,10 +187,8 @@ def _filled(name: str, texts: Texts, given: dict[str, str]) -> str:
     return _PLACEHOLDER.sub(lambda found: escape(words.get(found[1]) or texts.text(found[1])), page)
 
 
-def _guarded(response: Response) -> Response:
-    response.headers["Content-Security-Policy"] = POLICY
-    response.headers["X-Content-Type-Options"] = "nosniff"
-    response.headers["Referrer-Policy"] = "no-referrer"
+def _fresh(response: Response) -> Response:
+    """Return an answer that browsers do not keep."""
     response.headers["Cache-Control"] = "no-store"
     return response
 

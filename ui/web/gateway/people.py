@@ -163,7 +163,7 @@ class Visitors:
         return secret
 
     def knows(self, secret: str) -> bool:
-        """Return True if a page was loaded with this secret."""
+        """Return True if there is a visitor with this secret, or a page was loaded with it."""
         return secret in self._by_secret or secret in self._expected
 
     def expects(self, secret: str) -> bool:

@@ -106,6 +106,16 @@ def test_foreign_pages_and_guessed_cookies_get_no_visit() -> None:
     scenario(play)
 
 
+def test_all_answers_forbid_scripts_of_others() -> None:
+    async def play(port: int, _visitors: Visitors) -> None:
+        for path in (b"/", b"/static/main.js", b"/static/index.html", b"/missing"):
+            answer = (await said(port, b"GET " + path + b" HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n")).lower()
+            assert b"content-security-policy: default-src 'none'; script-src 'self'" in answer
+            assert b"x-content-type-options: nosniff" in answer
+
+    scenario(play)
+
+
 def test_a_visit_begins_when_the_browser_connects_and_not_when_it_loads_the_page() -> None:
     async def play(port: int, visitors: Visitors) -> None:
         for _ in range(20):
