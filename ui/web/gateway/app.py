@@ -103,8 +103,8 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: De
     async def trouble(request: Request) -> Response:
         secret = request.cookies.get(COOKIE, "")
         if not (visitors.knows(secret) and _same_origin(request)):
-            return _guarded(Response(status_code=403))
-        return _guarded(await troubles.receive(request, secret))
+            return _fresh(Response(status_code=403))
+        return _fresh(await troubles.receive(request, secret))
 
     async def theme(_request: Request) -> Response:
         return _fresh(PlainTextResponse(THEME_CSS, media_type="text/css"))
