@@ -87,7 +87,7 @@ class Person:
         elif cards := [card for card in self.shown(".card .face") if card.get_attribute("aria-pressed") != "true"]:
             self.look("driving")
             self.press(cards[0], Keys.TAB)
-        elif self.shown(".reading h1") and self.shown(".reading h1")[0].text == self.thanks:
+        elif self.thanks in [heading.text for heading in self.shown(".reading h1")]:
             self.look("thanks")
             return True
         elif begin := self.shown(".reading button.main"):
@@ -108,6 +108,8 @@ def main():
             if person.shown(".score"):
                 score = person.shown(".score")[0].text
             ended = person.step()
+        except IndexError:
+            pass  # The page has changed between two looks at it.
         except WebDriverException as moved:
             # The page has changed between a look at it and the press.
             if not any(word in str(moved) for word in ("stale", "interact", "intercept")):
