@@ -9,6 +9,7 @@ import sys
 
 from axe_core_python.selenium import Axe
 from selenium import webdriver
+from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.chrome.options import Options
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
@@ -33,7 +34,9 @@ class Chromium:
         self.faults = []
 
     def until(self, happened):
-        return WebDriverWait(self.browser, PATIENCE, 0.1).until(lambda _browser: happened())
+        return WebDriverWait(self.browser, PATIENCE, 0.1, [StaleElementReferenceException]).until(
+            lambda _browser: happened()
+        )
 
     def text(self, selector):
         return "".join(each.text for each in self.browser.find_elements(By.CSS_SELECTOR, selector))

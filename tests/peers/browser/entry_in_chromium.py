@@ -9,6 +9,7 @@ import sys
 
 from axe_core_python.selenium import Axe
 from selenium import webdriver
+from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.chrome.options import Options
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
@@ -27,7 +28,9 @@ def main(port, code):
     seen, faults = {}, []
 
     def until(happened):
-        return WebDriverWait(browser, PATIENCE, 0.1).until(lambda _browser: happened())
+        return WebDriverWait(browser, PATIENCE, 0.1, [StaleElementReferenceException]).until(
+            lambda _browser: happened()
+        )
 
     def heading():
         return browser.execute_script("return document.querySelector('h1')?.textContent ?? ''")
