@@ -78,7 +78,8 @@ class Conductor:
         place = self.progress.next_place()
         if isinstance(place, NoPlace):
             return place
-        participant = self._new_id()
+        while (participant := f"P-{_word(self._draw, 5)}") in self.progress.runs:
+            pass
         data: dict[str, JsonValue] = {"place": place.number, "cell": place.cell, "order": place.order}
         if external_id:
             data["external_id"] = external_id
@@ -110,7 +111,7 @@ class Conductor:
             self._end(participant, step, StepOutcome.PASSED_OVER)
         run = self.progress.runs[participant]
         if run.state is RunState.UNDER_WAY:
-            data: dict[str, JsonValue] = {"outcome": RunState.COMPLETE, "code": self._word(8)}
+            data: dict[str, JsonValue] = {"outcome": RunState.COMPLETE, "code": _word(self._draw, 8)}
             if (why := _too_slow(run, self._design.file.most_lag)) is not None:
                 data["excluded"] = why
             self._append(EventKind.RUN_ENDED, "program", participant, data=data)
@@ -185,10 +186,6 @@ class Conductor:
         data: dict[str, JsonValue] = {"reason": reason, **({"author": author} if author else {})}
         self._append(EventKind.RUN_EXCLUDED, "experimenter", participant, data=data)
 
-    def message(self, participant: str, text: str, author: str) -> None:
-        """Log a message of an experimenter to a person."""
-        self._append(EventKind.MESSAGE_SENT, "experimenter", participant, data={"text": text, "author": author})
-
     def set_admission(self, is_open: bool, author: str) -> None:
         """Open or close admission; an experimenter's name is the author."""
         kind = EventKind.ADMISSION_OPENED if is_open else EventKind.ADMISSION_CLOSED
@@ -255,13 +252,9 @@ class Conductor:
             for listener in self.listeners:
                 listener(logged)
 
-    def _new_id(self) -> str:
-        while (drawn := f"P-{self._word(5)}") in self.progress.runs:
-            pass
-        return drawn
 
-    def _word(self, length: int) -> str:
-        return "".join(LETTERS[self._draw(len(LETTERS))] for _ in range(length))
+def _word(draw: Draw, length: int) -> str:
+    return "".join(LETTERS[draw(len(LETTERS))] for _ in range(length))
 
 
 def _too_slow(run: Run, most_lag: float | None) -> str | None:

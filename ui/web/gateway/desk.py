@@ -14,7 +14,7 @@ from thbridge.credentials import Credentials, Right
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.experiment.conductor import Conductor, unfinished
 from thbridge.experiment.design.experiment_file import ExperimentDesign
-from thbridge.experiment.store.events import LogEntry, RunState
+from thbridge.experiment.store.events import EventKind, JsonValue, LogEntry, RunState
 from thbridge.files.errors import BadFile
 from thbridge.sockets.keys import KeyVerifier
 from thbridge.timing.wall_clock import utc_now
@@ -162,7 +162,8 @@ class ServedDesk:
             if other := self._actions.other_in(text, receiver):
                 return self._text("names_other", participant=other)
         for receiver in receivers:
-            self._conductor.message(receiver, text, author)
+            data: dict[str, JsonValue] = {"text": text, "author": author}
+            self._conductor.tell_of_run(EventKind.MESSAGE_SENT, receiver, data, "experimenter")
             await self._people.show_message(receiver, text)
         return self._text("sent", participants=", ".join(receivers)) if receivers else self._text("sent_to_nobody")
 
