@@ -116,9 +116,7 @@ def choices(three: ThreeFrontEnds) -> list[Act]:
         return [ShowHelp()]
     drives = any(card["selected"] and card["progress"] is not None for card in page["cards"])
     acts = [act for act in shown.possible() if not isinstance(act, (*OF_THE_MAP, EndGameAct))]
-    # A press on the room of an open dialogue shows its pop-up; the terminal has none, and proposes the room again.
-    discussed = {tile["room"] for tile in page["tiles"] if tile["considered"]}
-    acts = [act for act in acts if not (isinstance(act, SelectRoomAct) and (drives or act.room in discussed))]
+    acts = [act for act in acts if not (drives and isinstance(act, SelectRoomAct))]
     names = page["treasure"]["names"] if page["treasure"] else []
     impossible = [act for act, offer in shown.offers.items() if not offer.possible and isinstance(act, REFUSABLE)]
     return [*acts, *(PickName(name["pick"]["name"]) for name in names), *impossible]

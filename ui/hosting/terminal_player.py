@@ -9,10 +9,10 @@ from sim.common.robot_numbers import index_of, number_of
 from thbridge.dialogue.wording.texts import NamedRoom, Texts
 from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.properties import Teller, TreasureProperty, values_in_words
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import RoomNames
-from thbridge.hunt.rules import RuleReason
 from thbridge.hunt.treasures import name_in_words
-from thbridge.roles.shared.participant_rules import revealed
+from thbridge.roles.shared.participant_rules import JudgedRequest, judge, revealed
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     Consent,
@@ -108,7 +108,7 @@ class TerminalPlayer:
             case [word] if self._means(word, "names"):
                 self.show(f"  {_listed(view)}" if view.names else telling.texts.text("terminal.no_names"))
             case [word] if self._means(word, "end"):
-                self._wanted = (EndGame(view.game),)
+                self._ask(view, EndGame(view.game))
             case [letter] if letter in (waiting := _letters(view)) or letter in ("c", "s"):
                 self._answer(view, waiting.get(letter, 0 if letter == "c" else -1))
             case [answer] if _is_number(answer):
@@ -116,27 +116,27 @@ class TerminalPlayer:
             case [answer] if all(map(_is_number, parts := answer.split(":"))) and len(parts) == 2:
                 self._answer_by_number(view, index_of(int(parts[0])), int(parts[1]))
             case ["p", room] if _is_number(room):
-                self._discuss(view, int(room), "take-picture")
+                self._take_picture(view, telling, int(room))
             case ["n", room, "?"] if _is_number(room) and view.has_last_word is not None:
                 self._discuss(view, int(room), "take-treasure", "")
             case ["n", room, *words] if _is_number(room) and words:
                 self._name(view, int(room), " ".join(words))
             case ["m", room, *words] if _is_number(room) and words:
-                self._measure(view, int(room), words)
+                self._measure(view, telling, int(room), words)
             case ["t", room, *words] if _is_number(room) and words:
-                self._report_property(view, int(room), words)
+                self._report_property(view, telling, int(room), words)
             case ["l", room] if _is_number(room):
-                self._wanted = (LeaveTreasure(int(room)),)
+                self._leave(view, telling, int(room))
             case ["u", room] if _is_number(room):
                 self._take_up(view, int(room))
             case ["b", robot] if _is_number(robot):
-                self._wanted = (StopRobot(index_of(int(robot))),)
+                self._ask(view, StopRobot(index_of(int(robot))))
             case ["a", robot] if _is_number(robot):
                 self._ask_back(view, index_of(int(robot)))
             case [robot, "?"] if _is_number(robot):
-                self._wanted = (RequestSuggestion(index_of(int(robot))),)
+                self._ask_to_go(telling, RequestSuggestion(index_of(int(robot))))
             case [robot, room] if _is_number(robot) and _is_number(room):
-                self._wanted = (SelectRoom(index_of(int(robot)), int(room)),)
+                self._ask_to_go(telling, SelectRoom(index_of(int(robot)), int(room)))
             case _:
                 self.show(self.texts().text("terminal.help"))
 
@@ -183,21 +183,57 @@ class TerminalPlayer:
         self._names[room] = fitting[0]
         self._discuss(view, room, "take-treasure", None if view.has_last_word is None else fitting[0])
 
-    def _measure(self, view: View, room: int, words: Sequence[str]) -> None:
-        asked = _begun([each for each in view.properties if each.is_measured], words)
+    def _ask(self, view: View, request: JudgedRequest) -> None:
+        """Send a request, or show why it is impossible.
+
+        Like windows, it does not send an impossible request: to a robot that decides alone when it is ignored, even a
+        refused request is attention.
+        """
+        ruling = judge(revealed(view), request)
+        if isinstance(ruling, RequestRefused):
+            self.show(why_refused(self.texts(), revealed(view), ruling, request))
+        else:
+            self._wanted = (request,)
+
+    def _ask_to_go(self, telling: "Telling", request: SelectRoom | RequestSuggestion) -> None:
+        """Request a dialogue about a robot's next room. If that dialogue is open, only show it again, as windows do."""
+        talks = (each for each in telling.view.dialogues if (each.robot, each.matter) == (request.robot, "select-room"))
+        talk = next(talks, None)
+        wish = None if isinstance(request, RequestSuggestion) else request.room
+        if talk is not None and (talk.suggested if wish is None else talk.room == wish):
+            for line in telling.again(talk):
+                self.show(line)
+        else:
+            self._ask(telling.view, request)
+
+    def _take_picture(self, view: View, telling: "Telling", room: int) -> None:
+        place = _visited(view, room)
+        if place is not None and place.picture is not None:
+            self.show(telling.pictured(place))
+        elif place is not None and not place.undecided:
+            self.show(self.texts().text("hints.refused_already_decided"))
+        else:
+            self._discuss(view, room, "take-picture")
+
+    def _measure(self, view: View, telling: "Telling", room: int, words: Sequence[str]) -> None:
+        asked, place = _begun([each for each in view.properties if each.is_measured], words), _visited(view, room)
         if asked is None:
             self.show(self.texts().text("terminal.nothing_to_sense"))
+        elif place is not None and asked.name in place.known:
+            self.show(telling.known(place))
         else:
-            self._wanted = (MeasureProperty(room, asked.name),)
+            self._ask(view, MeasureProperty(room, asked.name))
 
-    def _report_property(self, view: View, room: int, words: Sequence[str]) -> None:
+    def _report_property(self, view: View, telling: "Telling", room: int, words: Sequence[str]) -> None:
         told = _begun([each for each in view.properties if each.told_by is Teller.PERSON], words)
-        typed = " ".join(words).casefold()
+        typed, place = " ".join(words).casefold(), _visited(view, room)
         values = [] if told is None else [each for each in told.values if typed.endswith(told.shown(each).casefold())]
         if told is None or not values:
             self.show(self.texts().text("terminal.nothing_to_tell"))
+        elif place is not None and place.told.get(told.name) == values[0]:
+            self.show(telling.known(place))
         else:
-            self._wanted = (TellProperty(room, told.name, values[0]),)
+            self._ask(view, TellProperty(room, told.name, values[0]))
 
     def _ask_back(self, view: View, robot: int) -> None:
         asked = view.robots[robot] if 0 <= robot < len(view.robots) else None
@@ -206,12 +242,19 @@ class TerminalPlayer:
         elif asked is not None and asked.asked_back:
             self.show(self.texts().text("hints.asked_already", robot=robot))
         else:
-            self._wanted = (RequestHandback(robot),)
+            self._ask(view, RequestHandback(robot))
+
+    def _leave(self, view: View, telling: "Telling", room: int) -> None:
+        place = _visited(view, room)
+        if place is not None and place.left:
+            self.show(telling.left(place))
+        else:
+            self._ask(view, LeaveTreasure(room))
 
     def _take_up(self, view: View, room: int) -> None:
         place = view.room(room) if 0 < room <= len(view.rooms) else None
         if place is None or place.left:
-            self._wanted = (TakeUpTreasure(room),)
+            self._ask(view, TakeUpTreasure(room))
         elif place.robot is None:
             self._show_no_robot(room)
         else:
@@ -224,7 +267,7 @@ class TerminalPlayer:
         if robot is None:
             self._show_no_robot(room)
         else:
-            self._wanted = (OpenDialogue(robot, matter, room, name),)
+            self._ask(view, OpenDialogue(robot, matter, room, name))
 
     def _show_no_robot(self, room: int) -> None:
         self.show(self.texts().text("terminal.no_robot", room=NamedRoom(room, self.rooms().named.get(room, ""))))
@@ -238,6 +281,11 @@ class TerminalPlayer:
             case "take-treasure":
                 name = consent.name or self._names.get(consent.room, "")
                 return IdentifyTreasure(consent.room, name) if name else None
+
+
+def _visited(view: View, room: int) -> RoomView | None:
+    """Return the room with this number if it is visited, or None."""
+    return next((each for each in view.rooms if each.room == room and each.state == "visited"), None)
 
 
 def _waiting(view: View) -> DialogueView | None:
@@ -317,8 +365,7 @@ class Telling:
         return lines
 
     def _refused(self, refusal: RefusalView) -> str:
-        unknown = refusal.reason in {RuleReason.UNKNOWN_ROBOT, RuleReason.UNKNOWN_ROOM}
-        asked = self.typed is not None and refusal.wish in refusal_wishes(self.typed) and not unknown
+        asked = self.typed is not None and refusal.wish in refusal_wishes(self.typed)
         return why_refused(self.texts, revealed(self.view), refusal, self.typed if asked else None)
 
     def state(self) -> list[str]:
@@ -339,9 +386,24 @@ class Telling:
         free = " ".join(self.rooms.numbered(room.room) for room in view.rooms if room.state == "unvisited")
         key = "terminal.not_visited" if free else "terminal.all_visited"
         lines.append(self.texts.text(key, rooms=free, score=view.score))
-        for dialogue in view.dialogues:
-            lines += self._asked(dialogue, len(dialogue.said) - 1)
-        return [f"  {line}" for line in lines]
+        return [*(f"  {line}" for line in lines), *(line for each in view.dialogues for line in self.again(each))]
+
+    def again(self, dialogue: DialogueView) -> list[str]:
+        """Return lines about an open dialogue: its last sentence, and the choices."""
+        return [f"  {line}" for line in self._asked(dialogue, len(dialogue.said) - 1)]
+
+    def known(self, room: RoomView) -> str:
+        """Return what is known about the treasure in a visited room; if it is decided, return only this."""
+        return self._found(room) if room.undecided else self.texts.text("hints.refused_already_decided")
+
+    def left(self, room: RoomView) -> str:
+        """Return a line about a treasure that was left."""
+        again = [] if room.robot is None else [self.texts.text("terminal.take_up", number=room.room)]
+        return " ".join([self.texts.text("terminal.left", room=self.room(room.room)), *again])
+
+    def pictured(self, room: RoomView) -> str:
+        """Return a line about a picture that was taken."""
+        return self.texts.text("terminal.pictured", room=self.room(room.room))
 
     def room(self, room: int) -> NamedRoom:
         """Return a room with its name, if it has one."""
@@ -376,10 +438,9 @@ class Telling:
         if new.found and (new.known != old.known or (old.left and not new.left)):
             lines.append(self._found(new))
         if new.left and not old.left:
-            again = [] if new.robot is None else [self.texts.text("terminal.take_up", number=new.room)]
-            lines.append(" ".join([self.texts.text("terminal.left", room=room), *again]))
+            lines.append(self.left(new))
         if new.picture is not None and old.picture is None:
-            lines.append(self.texts.text("terminal.pictured", room=room))
+            lines.append(self.pictured(new))
         if new.verdict is not None and old.verdict is None:
             words = verdict_words(self.texts, self.view.word_for(new.verdict.name), new.verdict.points)
             lines.append(self.texts.text("terminal.verdict", words=words, room=room))

@@ -149,7 +149,11 @@ class TerminalPerson(Person):
         """Return everything that a person can do with a command now, and the game would grant."""
         view = self.view
         known = revealed(view)
-        done: set[Deed] = set()
+        # A repeated wish shows the open dialogue again, as a press on the same button does in the other front ends.
+        talks = [each for each in view.dialogues if each.matter == "select-room"]
+        again = [SelectRoom(each.robot, each.room) for each in talks]
+        again += [RequestSuggestion(each.robot) for each in talks if each.suggested]
+        done = {self._deed(wish) for wish in again if isinstance(judge(known, wish), tuple)}
         for line in self._commands():
             request = self._request(line)
             if isinstance(request, AnswerDialogue):

@@ -128,8 +128,6 @@ class ThreeFrontEnds:
         room = page["treasure"] and page["treasure"]["room"]
         about = {"go": robot, "advice": robot, "answer": talks, "picture": room, "name": room, "ask name": room}
         about |= {"leave": room, "measure": room, "tell": room}
-        if page["treasure"] and page["treasure"]["verdict"]:
-            about["picture"] = None  # It would only cost energy, so only the terminal lets a person ask for it.
         drives = {card["robot"] for card in page["cards"] if card["progress"] is not None}
         # The other front ends also offer rooms to a driving robot, and stop it first. Here, a person stops it.
         return {

@@ -164,6 +164,7 @@ def test_a_person_is_told_of_robots_that_do_not_answer_or_know_where_they_are(se
     assert seat.shown[-2:] == ["Robot 1 no longer answers.", "Robot 2 does not know where it is."]
     assert "  Robot 2 does not know where it is." in seat.type("?")
     assert seat.type("1 3") == ["Robot 1 does not answer."]
+    assert seat.hunt.view().refusal is None, "like windows, the terminal does not send what is impossible"
 
 
 def test_a_person_is_told_whose_a_robot_is(seat):
@@ -197,6 +198,41 @@ def test_what_has_no_effect_is_said(seat):
     seat.hunt.run(10)
     seat.type("a 1")
     assert seat.type("a 1") == ["You have just asked for robot 1. You can ask again in a few seconds."]
+
+
+def test_what_has_been_done_is_said_and_not_done_again():
+    seat = Seat(set_name="four-properties")
+    for line in ("1 3", "c", "m 3 weight", "p 3", "c", "t 3 material wood"):
+        seat.type(line, 30)
+    events = len(seat.hunt.log.events)
+    known = [line.strip() for line in seat.type("?") if line.startswith("  Room 3: ")]
+    assert seat.type("p 3") == ["Room 3: a picture is taken. The terminal cannot show it."]
+    assert seat.type("m 3 weight") == seat.type("t 3 material wood") == known != []
+    (left,) = seat.type("l 3")
+    assert left.endswith("u 3 takes up the treasure again, until its robot sets out.") and seat.type("l 3") == [left]
+    assert seat.type("m 3 weight") == ["This has already been decided."]
+    assert len(seat.hunt.log.events) == events + 1
+
+
+def test_no_picture_is_taken_of_what_is_decided(seat):
+    for line in ("1 3", "c"):
+        seat.type(line)
+    seat.type("c", 40)
+    seat.type("l 3")
+    assert seat.type("p 3") == ["This has already been decided."]
+
+
+@pytest.mark.parametrize("asked", ["1 ?", "1 6"])
+def test_who_repeats_a_wish_sees_the_dialogue_again(asked):
+    seat = arguing()
+    seat.type(asked)
+    (talk,) = seat.hunt.view().dialogues
+    entries = len(seat.hunt.log.entries)
+    shown = [line for line in seat.type("?") if line.startswith(("  Robot 1: ", "    "))]
+    assert seat.type(f"1 {talk.room}") == [line for line in shown if "energy" not in line]
+    if talk.suggested:
+        assert seat.type("1 ?") == seat.type(f"1 {talk.room}")
+    assert len(seat.hunt.log.entries) == entries and seat.hunt.view().dialogues == (talk,)
 
 
 def test_a_person_is_told_what_a_robot_that_stops_gets_back(seat):

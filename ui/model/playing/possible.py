@@ -254,12 +254,16 @@ def _hint(texts: Texts, known: Situation, robot: int, refused: RequestRefused | 
             return refusal_words(texts, refused)
 
 
-def why_refused(texts: Texts, known: Situation, refusal: RefusalView, request: ParticipantRequest | None) -> str:
+def why_refused(
+    texts: Texts, known: Situation, refusal: RequestRefused | RefusalView, request: ParticipantRequest | None
+) -> str:
     """Return a sentence about the game's refusal of a request, with the reasons as far as they are known.
 
     If `request` is None, it is unknown which request was refused.
     """
-    return (texts.has(_refusal_key(refusal)) and _why_not(texts, known, request)) or refusal_words(texts, refusal)
+    unknown = refusal.reason in {RuleReason.UNKNOWN_ROBOT, RuleReason.UNKNOWN_ROOM}
+    explains = not unknown and texts.has(_refusal_key(refusal))
+    return (_why_not(texts, known, request) if explains else None) or refusal_words(texts, refusal)
 
 
 def _why_not(texts: Texts, known: Situation, request: ParticipantRequest | None) -> str | None:

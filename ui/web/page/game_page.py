@@ -508,7 +508,7 @@ class BrowserPageMaker:
             warning=texts.text("window.warning", warning=pop.warning) if pop.warning else "",
             facts=tuple(button.fact(fact) for fact in pop.facts if fact.value),
             picture=self._picture_id(pop.picture),
-            enlarge=button.optional(pop.enlarge),
+            enlarge=button.optional(pop.enlarge, texts.text("window.picture_of_find")),
         )
 
     def _treasure(self, button: "_ButtonMaker", pop: DialoguePopup | TreasurePopup | None) -> PageTreasure | None:
@@ -531,7 +531,7 @@ class BrowserPageMaker:
             picture=self._picture_id(pop.picture),
             unseen=pop.picture_note or texts.text(unseen),
             take=button.optional(pop.take_picture),
-            enlarge=button.optional(pop.enlarge),
+            enlarge=button.optional(pop.enlarge, texts.text("window.picture_of_find")),
             asking=texts.text(asking, typed=pop.typed) if asks else "",
             names=_names(texts, pop) if asks else (),
             name_it=button.one(pop.name_it) if asks else None,
@@ -560,9 +560,9 @@ class _ButtonMaker:
         key = shown_key(texts, action.key) if action.key else ""
         return PageButton(action.act, action.label, key, action.hint, action.enabled, action.pending, name)
 
-    def optional(self, action: Action | None) -> PageButton | None:
-        """Return the button of an action, if there is one."""
-        return None if action is None else self.one(action)
+    def optional(self, action: Action | None, spoken: str = "") -> PageButton | None:
+        """Return the button of an action, if there is one; without `spoken`, its label is its name."""
+        return None if action is None else self.one(action, spoken)
 
     def all(self, actions: Iterable[Action]) -> tuple[PageButton, ...]:
         """Return the buttons of these actions."""

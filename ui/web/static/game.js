@@ -274,7 +274,7 @@ export class GamePage {
       made.body.append(made.figure, made.facts, made.said, made.state, made.outcome, made.warning);
       made.foot.classList.add("answers");
     }
-    set(made.figure, { hidden: !pop.picture });
+    set(made.figure, { hidden: !pop.picture, title: pop.enlarge?.hint || null });
     if (pop.picture) set(made.figure.firstChild, { src: this.pictures.get(pop.picture) });
     showFacts(made.facts, pop.facts, this.act);
     const count = made.said.children.length;
@@ -312,7 +312,7 @@ export class GamePage {
       made.body.append(made.talk, element("div", { class: "halves" }, made.left, made.right));
     }
     set(made.talk, { text: pop.talk, hidden: !pop.talk });
-    set(made.figure, { hidden: !pop.picture });
+    set(made.figure, { hidden: !pop.picture, title: pop.enlarge?.hint || null });
     if (pop.picture) set(made.figure.firstChild, { src: this.pictures.get(pop.picture) });
     set(made.unseen, { text: pop.unseen, hidden: !!pop.picture });
     made.take.hidden = !pop.take;
