@@ -238,7 +238,7 @@ def test_who_repeats_a_wish_sees_the_dialogue_again(asked):
 def test_a_person_is_told_what_a_robot_that_stops_gets_back(seat):
     for line in ("1 3", "c"):
         seat.type(line)
-    seat.type("c", 4)
+    seat.type("c")
     stopped = next(line for line in seat.type("b 1", 20) if "stopped" in line)
     assert re.fullmatch(r"Robot 1 has stopped before room 3\. It gets [\d.]+ energy back\.", stopped)
 
