@@ -472,13 +472,18 @@ class Telling:
         return " ".join([seen, *more, texts.text("terminal.name_it", number=number)])
 
     def _asked(self, dialogue: DialogueView, told: int = 0) -> list[str]:
-        """Return lines about a dialogue that waits for an answer: sentences from number `told` on, and the choices."""
+        """Return lines about a dialogue that waits for an answer: sentences from number `told` on, and the choices.
+
+        With lettered choices, the last sentence is shown again if there is no later one, indented like all repeated
+        lines.
+        """
         robot = dialogue.robot
         if not dialogue.choices:
             return [self.texts.text("window.thinking", robot=robot)]
         if self.view.has_last_word is None:
             answers = ", ".join(f"{letter} {choice}" for letter, choice in _lettered(dialogue))
-            return [self.texts.text("terminal.asked", robot=robot, words=dialogue.said[-1], answers=answers)]
+            asked = self.texts.text("terminal.asked", robot=robot, words=dialogue.said[-1], answers=answers)
+            return [asked if told < len(dialogue.said) else f"  {asked}"]
         several = sum(bool(each.choices) for each in self.view.dialogues) > 1
         to = f"{number_of(robot)}:" if several else ""
         acts = dialogue.acts or ("",) * len(dialogue.choices)

@@ -135,7 +135,7 @@ class TerminalPerson(Person):
         several = sum(bool(each.choices) for each in self.view.dialogues) > 1
         if self.view.has_last_word is None:
             asked = self.texts.robot(robot).casefold()
-            line = next(line for line in reversed(self.lines) if line.casefold().startswith(f"{asked}: "))
+            line = next(line for line in reversed(self.lines) if line.casefold().strip().startswith(f"{asked}: "))
             choices = next(each.choices for each in self.view.dialogues if each.robot == robot)
             assert all(choice in line for choice in choices)
             return f"{robot + 1}:{choices.index(label) + 1}" if several else str(choices.index(label) + 1)

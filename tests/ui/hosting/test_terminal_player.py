@@ -310,6 +310,16 @@ def test_a_person_argues_by_numbers():
     assert seat.type(left)[-1] in {"Robot 1: Then I stay where I am for now.", "Robot 1: Then I wait here for now."}
 
 
+def test_a_look_at_the_questions_of_a_robot_does_not_look_like_a_sentence():
+    seat = arguing(DialogueCondition.SUPERVISOR)
+    asked = seat.type("1 ?")[-1]
+    question = re.search(r"(\w) I have a question", asked)
+    assert asked.startswith("Robot 1: ") and question is not None
+    (questions,) = seat.type(question[1])
+    sentence, _, answers = questions.partition("   [")
+    assert sentence == f"  {asked.partition('   [')[0]}" and "Back." in answers
+
+
 def test_what_is_agreed_in_the_terminal_is_done_at_once():
     seat = arguing()
     seat.type("1 ?")
