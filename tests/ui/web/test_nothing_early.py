@@ -201,7 +201,7 @@ def faults_of(person: BrowserPerson, folder: Path, treasures: Sequence[SecretTre
     return early(person.received, secrets) + named_too_early(person, treasures)
 
 
-@pytest.mark.parametrize("games", [range(3), *slow(*(range(first, first + 6) for first in range(3, 51, 6)))])
+@pytest.mark.parametrize("games", [range(3), *slow(*(range(first, first + 8) for first in range(3, 51, 8)))])
 @pytest.mark.timeout(280)
 def test_games_hold_nothing_early(treasures: tuple[Path, tuple[SecretTreasure, ...]], games: Sequence[int]) -> None:
     folder, kinds = treasures
