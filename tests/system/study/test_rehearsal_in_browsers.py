@@ -1,13 +1,24 @@
 """Whole studies in browsers: people who reload, lose their connection, decline and drop out, and programs that die."""
 
 import asyncio
+import itertools
+import json
+import os
+import random
+import signal
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import MappingProxyType
 
+import pytest
+
 from tests.support.programs.browser_person import BrowserPerson, Manner
+from tests.support.programs.commands import output_of
+from tests.support.studies.served_program import ServedProgram
 from tests.support.studies.served_study import served
-from tests.system.study.checks import check_recordings, check_run
+from tests.system.study.checks import analysed, check_recordings, check_run
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Progress, Run
 from thbridge.experiment.rehearsal.people import SimulatedPeople
@@ -122,3 +133,64 @@ def test_people_go_through_a_whole_study_reload_lose_connections_decline_and_sto
     states = [run.state for run in check_study(folder, people)]
     assert sorted(states) == [RunState.COMPLETE, RunState.DECLINED, RunState.LEFT]
     assert {"Before you take part", "Before we begin", "About you"} <= {*people[0].pages}
+
+
+KILLS = ("game",) * 8 + ("server",) * 4
+"""Programs that are killed during the rehearsal, in random order, one after each further group of events."""
+
+
+@pytest.mark.slow
+def test_a_study_with_two_groups_and_24_people_survives_crashes_and_loses_nothing(tmp_path: Path) -> None:
+    folder, drawn = write_study(tmp_path / "study", 12), random.Random(5)
+    design, seeds = folder.read(), itertools.count()
+    manner = Manner(SimulatedPeople(drop_out=0.01), acts=4, reloads=0.02, losses=0.02)
+    people: list[BrowserPerson] = []
+
+    async def come_one_after_the_other(port: int) -> None:
+        """Let people take part until the study is full."""
+        while True:
+            person = BrowserPerson(port, design, manner, next(seeds))
+            people.append(person)
+            await person.go_through()
+            if not person.has_begun:
+                return
+
+    async def kill(server: ServedProgram) -> None:
+        """Kill programs; the server is started again by its parent."""
+        events = 0
+        for kind in drawn.sample(KILLS, len(KILLS)):
+            events += drawn.randrange(50, 200)
+            while known_events(folder) < events or (kind == "game" and not server.workers):
+                await asyncio.sleep(0.1)
+            process = server.child if kind == "server" else drawn.choice([*server.workers.values()])
+            with suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
+
+    async def run(server: ServedProgram) -> None:
+        killing = asyncio.create_task(kill(server))
+        await asyncio.gather(*(come_one_after_the_other(server.port) for _ in range(8)))
+        assert killing.done()
+        await killing
+
+    with ServedProgram(folder.root, "--games", "8") as server:
+        try:
+            asyncio.run(asyncio.wait_for(run(server), 550))
+        except BaseException:
+            print(server.program.text)
+            raise
+    runs = check_study(folder, people)
+    complete = [run for run in runs if run.state is RunState.COMPLETE]
+    assert sorted(run.place.number for run in complete) == list(range(24))
+    assert set(Counter((run.place.cell, run.place.order) for run in complete).values()) == {6}
+    assert {run.state for run in runs} <= {RunState.COMPLETE, RunState.LEFT, RunState.EXCLUDED}
+    assert sum(person.interruptions for person in people) > 10
+    status = json.loads(output_of("study", "status", folder.root, "--json"))
+    assert (status["planned"], status["complete"]) == (24, 24)
+    analysed(folder)
+
+
+def known_events(folder: ExperimentFolder) -> int:
+    """Return the number of events in the log."""
+    with suppress(FileNotFoundError):
+        return int(folder.log.with_name("log-head").read_text().split()[0])
+    return 0
