@@ -133,7 +133,7 @@ class BrowserClient:
     async def end_game(self) -> None:
         """End a game that is played, and continue."""
         await asyncio.sleep(0.4)  # Answers right after a change of the page are not accepted.
-        await self.press("E")
+        await self.act({"act": "EndGameAct"})
         await self.until(lambda: self.tree["question"])
         await asyncio.sleep(0.4)
         await self.act(self.tree["question"]["buttons"][0]["act"])
