@@ -35,8 +35,9 @@ def opened(profile):
         options.add_argument(flag)
     browser = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
     driver = browser.service.process.pid
-    (process, *_) = Path(f"/proc/{driver}/task/{driver}/children").read_text().split()
-    return browser, int(process)
+    # Any thread of the driver may have started it.
+    started = [each.read_text().split() for each in Path(f"/proc/{driver}/task").glob("*/children")]
+    return browser, int(next(process for processes in started for process in processes))
 
 
 def until(what, happened):

@@ -122,7 +122,7 @@ class BrowserClient:
     def shown(self) -> dict[str, Any]:
         """The last message about a page of the study; before the first, a message without contents."""
         pages = [message for message in self.study if "page" in message and message["t"] != "kept"]
-        return pages[-1] if pages else {"t": "", "page": 0, "heading": ""}
+        return {"t": "", "page": 0, "heading": "", "html": "", **(pages[-1] if pages else {})}
 
     async def press_button(self) -> None:
         """Wait for a page that is not yet left, and press its main button."""
