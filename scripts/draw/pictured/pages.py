@@ -41,7 +41,7 @@ def _preparing(state: PageState) -> PageState:
 def _waiting(state: PageState) -> PageState:
     texts = language.texts()
     heading, text = texts.text("web.waiting_for_game"), texts.text("web.waiting_for_game_text")
-    return replace(state, messages=(TurnToAwait(3, heading, text, 95, StudyProgress(5, STEPS)),))
+    return replace(state, messages=(TurnToAwait(3, heading, text, 95, before=2, progress=StudyProgress(5, STEPS)),))
 
 
 def _doing(deed: str) -> Callable[[PageState], PageState]:
