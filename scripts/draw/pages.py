@@ -31,7 +31,10 @@ SIZES = {390: (844, 1.0, 4), 1024: (768, 0.5, 3), 1440: (900, 0.5, 2)}
 """Width of the page to its height, the scale of pictures that show a group, and pages next to each other."""
 LOOKS = ("light", "dark")
 GAP = 12
-SHOWN = "document.querySelector('#main > article:not(#first), #main > .game, #trouble:not([hidden])') !== null"
+SHOWN = (
+    "document.querySelector('#main > article:not(#first), #main > .game, #connection:not([hidden]),"
+    " #trouble:not([hidden])') !== null"
+)
 SETTLED = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 80))))"
 ABOUT = (
     "For everyone who wants to see what a participant sees in a browser.",
