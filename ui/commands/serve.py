@@ -98,11 +98,11 @@ def serve(
         check_browsers(host, networks, encrypted=tls is not None)
         listening = _listen(host, port)
         shown = f"http{'' if tls is None else 's'}://{Address(host, listening.getsockname()[1])}/"
-        told = f"Open {shown} in a browser."
+        addresses = f"Open {shown} in a browser."
         if is_study:
             how = f"#{secret}" if ring is None else " (with a key that may watch)"
-            told += f"\nThe researcher's page: {shown}desk{how}"
-        ready, admission = partial(note, told), Admission.to(networks)
+            addresses += f"\nThe researcher's page: {shown}desk{how}"
+        ready, admission = partial(note, addresses), Admission.to(networks)
         desk_keys = SingleKey(secret) if ring is None else ring
         return ServerOptions(
             listening, games, tls, ready, admission, tuple(proxy or ()), running=running, keys=desk_keys
