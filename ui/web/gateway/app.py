@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from html import escape
-from pathlib import Path
 
 import msgspec
 from starlette.applications import Starlette
@@ -15,8 +14,7 @@ from starlette.middleware import Middleware
 from starlette.middleware.gzip import GZipMiddleware
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
-from starlette.routing import Mount, Route, WebSocketRoute
-from starlette.staticfiles import StaticFiles
+from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
@@ -24,12 +22,12 @@ from thbridge.dialogue.wording.texts import Texts
 from ui.web.gateway.desk import DeskSockets
 from ui.web.gateway.entry import EntryRefused, LinkFault
 from ui.web.gateway.limits import ClientLimits, network_of
+from ui.web.gateway.page_files import STATIC, PageFiles
 from ui.web.gateway.people import Tab, Visitor, Visitors
 from ui.web.gateway.troubles import PageTroubles
-from ui.web.page.theme_css import THEME_CSS
+from ui.web.page.study_page import first_text
 from ui.web.seat import encoded
 
-STATIC = Path(__file__).parents[1] / "static"
 COOKIE = "thbridge"
 COOKIE_SECONDS = 24 * 3600
 """Seconds for which a browser keeps its cookie, also if the browser crashes or is closed."""
@@ -39,18 +37,8 @@ SILENCE = 8.0
 """Seconds without any message of a browser after which its socket is closed."""
 QUEUE = 256
 """Messages that may wait for a browser; above it the socket is closed, and the browser connects again."""
-POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
-)
-
-
-HEADERS = {
-    "Content-Security-Policy": POLICY,
-    "X-Content-Type-Options": "nosniff",
-    "Referrer-Policy": "no-referrer",
-}
-"""Headers of all answers."""
+HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer"}
+"""Headers of all answers, next to the content security policy."""
 UNKNOWN, TOO_OFTEN, MALFORMED, BUSY = 4403, 4429, 1008, 1013
 """Reasons for which the gateway closes a socket: the page must be loaded again; connected too often; a malformed
 message; too many visitors."""
@@ -63,6 +51,7 @@ OTHER_TAB_DELAY = 1.0
 _SECRET = re.compile(r"[\w-]{32}", re.ASCII)
 _TAB = re.compile(r"[0-9a-f]{16}")
 _PLACEHOLDER = re.compile(r"\{\{([\w.]+)\}\}")
+_STYLE, _FIRST_TEXT = "<!-- style -->", "<!-- first text -->"
 _NUMBER = re.compile(r"[0-9]{1,9}", re.ASCII)
 
 
@@ -71,11 +60,17 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: De
 
     If `desk` is None, there is no page for the researcher.
     """
-    index = _filled("index.html", texts, {})
+    files = PageFiles()
+
+    def filled(name: str, **given: str) -> str:
+        """Return a page of the static files with its words: those in `given`, otherwise texts."""
+        words = {"language": texts.language, "files": files.root, **given}
+        page = (STATIC / name).read_text(encoding="utf-8")
+        return _PLACEHOLDER.sub(lambda found: escape(words.get(found[1]) or texts.text(found[1])), page)
+
+    index = filled("index.html").replace(_STYLE, files.style)
     notices = {
-        fault: _filled(
-            "notice.html", texts, {"heading": texts.text(f"web.{fault}"), "text": texts.text(f"web.{fault}_text")}
-        )
+        fault: filled("notice.html", heading=texts.text(f"web.{fault}"), text=texts.text(f"web.{fault}_text"))
         for fault in LinkFault
     }
     too_many = texts.text("web.too_many")
@@ -92,7 +87,7 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: De
             if refused.fault is LinkFault.UNKNOWN:
                 limits.failures.take(address)
             return _fresh(HTMLResponse(notices[refused.fault], 403))
-        response = HTMLResponse(index)
+        response = HTMLResponse(index.replace(_FIRST_TEXT, first_text(visitors.first_page(secret), texts)))
         secure = request.url.scheme == "https"
         # Lax, because people come by a link from another site, also when they come back.
         response.set_cookie(COOKIE, secret, COOKIE_SECONDS, httponly=True, samesite="lax", secure=secure, path="/")
@@ -105,9 +100,6 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: De
         if not (visitors.knows(secret) and _same_origin(request)):
             return _fresh(Response(status_code=403))
         return _fresh(await troubles.receive(request, secret))
-
-    async def theme(_request: Request) -> Response:
-        return _fresh(PlainTextResponse(THEME_CSS, media_type="text/css"))
 
     async def socket(websocket: WebSocket) -> None:
         secret, address = websocket.cookies.get(COOKIE, ""), _address(websocket)
@@ -125,7 +117,7 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: De
         else:
             await _serve(websocket, visitor, limits)
 
-    desk_page = _filled("desk.html", texts, {})
+    desk_page = filled("desk.html")
 
     async def show_desk(_request: Request) -> Response:
         return _fresh(HTMLResponse(desk_page))
@@ -143,20 +135,23 @@ def application(visitors: Visitors, texts: Texts, limits: ClientLimits, desk: De
         routes=[
             *(researcher if desk is not None else ()),
             Route("/", page),
-            Route("/theme.css", theme),
             Route("/trouble", trouble, methods=["POST"]),
             WebSocketRoute("/socket", socket),
-            Mount("/static", StaticFiles(directory=STATIC)),
+            files.route,
         ],
-        middleware=[Middleware(GZipMiddleware), Middleware(_GuardedRequests, limits=limits, refusal=too_many)],
+        middleware=[
+            Middleware(GZipMiddleware),
+            Middleware(_GuardedRequests, policy=files.policy, limits=limits, refusal=too_many),
+        ],
     )
 
 
 class _GuardedRequests:
     """Limit of requests for each address, and headers that forbid what no page needs."""
 
-    def __init__(self, app: ASGIApp, limits: ClientLimits, refusal: str) -> None:
+    def __init__(self, app: ASGIApp, policy: str, limits: ClientLimits, refusal: str) -> None:
         self._app, self._limits = app, limits
+        self._headers = HEADERS | {"Content-Security-Policy": policy}
         self._refusal = PlainTextResponse(refusal, 429, {"Retry-After": "10"})
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -169,7 +164,7 @@ class _GuardedRequests:
 
         async def guarded(message: Message) -> None:
             if message["type"] == "http.response.start":
-                MutableHeaders(scope=message).update(HEADERS)
+                MutableHeaders(scope=message).update(self._headers)
             await send(message)
 
         await self._app(scope, receive, guarded)
@@ -178,13 +173,6 @@ class _GuardedRequests:
 def _address(connection: HTTPConnection) -> str:
     """Return the address of a client, or its network; see `network_of`."""
     return "" if connection.client is None else network_of(connection.client.host)
-
-
-def _filled(name: str, texts: Texts, given: dict[str, str]) -> str:
-    """Return a page of the static files with its words: those in `given`, otherwise texts of the study's language."""
-    page = (STATIC / name).read_text(encoding="utf-8")
-    words = {"language": texts.language, **given}
-    return _PLACEHOLDER.sub(lambda found: escape(words.get(found[1]) or texts.text(found[1])), page)
 
 
 def _fresh(response: Response) -> Response:

@@ -126,6 +126,11 @@ class BrowserWindow:
         if self._game is not None:
             self._game.join(again=again)
 
+    def page_of(self, message: ToKiosk | None = None) -> dict[str, Json] | None:
+        """Return the page of a message; without a message, the page that the person sees. None if there is none."""
+        pages = (self._maker.page(each) for each in ([message] if message is not None else reversed(self._kept)))
+        return next((page for page in pages if page is not None and "page" in page), None)
+
     def elsewhere(self) -> dict[str, Json]:
         """Return the page for a tab while another tab is live."""
         return self._maker.elsewhere()

@@ -6,9 +6,11 @@ import time
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
 
+from ui.model.kiosk import ToKiosk
 from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.entry import EntryRule, LinkEntry
 from ui.web.gateway.inbox import Inbox
+from ui.web.page.patches import Json
 
 MOST_EXPECTED = 10_000
 """Maximum number of browsers that have loaded the page but not connected yet; further browsers replace the oldest."""
@@ -119,12 +121,14 @@ class Visitors:
         begin: function that takes a visitor through their course.
         make_window: function that returns a window for a new visitor.
         entry: rule of who may enter.
+        greet: function that returns the first page of the visitor with a secret and a link; None if it is not known.
         begins_again: True to begin a course again if the page is loaded after the end of the course.
     """
 
     begin: Callable[[Visitor], Awaitable[None]]
     make_window: Callable[[], BrowserWindow]
     entry: EntryRule
+    greet: Callable[[str, LinkEntry], ToKiosk | None] = lambda _secret, _entry: None
     begins_again: bool = False
     _by_secret: dict[str, Visitor] = field(default_factory=dict)
     _expected: dict[str, LinkEntry] = field(default_factory=dict)
@@ -161,6 +165,13 @@ class Visitors:
         elif self.begins_again and (visitor.course is None or visitor.course.done()):
             visitor.course = asyncio.ensure_future(self.begin(visitor))
         return secret
+
+    def first_page(self, secret: str) -> dict[str, Json] | None:
+        """Return the page that an expected browser sees first; None if it is not known."""
+        if (visitor := self._by_secret.get(secret)) is not None:
+            return visitor.window.page_of()
+        message = self.greet(secret, self._expected[secret])
+        return None if message is None else self.make_window().page_of(message)
 
     def knows(self, secret: str) -> bool:
         """Return True if there is a visitor with this secret, or a page was loaded with it."""

@@ -136,7 +136,8 @@ async def serve_games(study: Study, file: Path | None, new_bag: Callable[[], Pat
         queue = GameQueue(pool)
         single = SingleGames(study, file, pool, queue, new_bag, math.inf)
         drain = DrainPort(pool.games, queue)
-        await serve_visitors(Visitors(single.visit, single.window, open_to_all), single.texts, options, drain)
+        visitors = Visitors(single.visit, single.window, open_to_all, single.greet)
+        await serve_visitors(visitors, single.texts, options, drain)
 
 
 async def serve_study(
@@ -174,7 +175,7 @@ async def serve_study(
         drain = DrainPort(pool.games, queue)
         watching = asyncio.create_task(PresenceWatch(design.file.presence, conductor, visits.here, tell).run())
         try:
-            visitors = Visitors(visits.visit, visits.window, entry, begins_again=True)
+            visitors = Visitors(visits.visit, visits.window, entry, visits.greet, begins_again=True)
             await serve_visitors(visitors, visits.texts, options, drain, desk)
         finally:
             watching.cancel()

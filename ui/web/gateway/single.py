@@ -21,10 +21,12 @@ from ui.model.kiosk import (
     GameToJoin,
     StudyTexts,
     TextToRead,
+    ToKiosk,
     TurnToAwait,
     WentOn,
 )
 from ui.web.gateway.browser_window import BrowserWindow
+from ui.web.gateway.entry import LinkEntry
 from ui.web.gateway.game_queue import LONGEST_WAIT, GameQueue
 from ui.web.gateway.people import Visitor
 from ui.web.gateway.waiting import pause, show_turn
@@ -74,13 +76,17 @@ class SingleGames:
         """Return a window in the study's language."""
         return BrowserWindow(self._setting.texts)
 
+    def greet(self, secret: str, _entry: LinkEntry) -> ToKiosk | None:
+        """Return the first page of a visitor; None if their game has begun."""
+        return None if self._has_begun(_key(secret)) else self._consent() or self._rules(1)
+
     async def visit(self, visitor: Visitor) -> None:
         """Take a visitor through the course, or lead them back to their game."""
         window = visitor.window
         await window.send(StudyTexts(GameTexts.of(self._setting.texts)))
-        key = f"visitor-{hashlib.sha256(visitor.secret.encode()).hexdigest()[:_DIGEST]}"
+        key = _key(visitor.secret)
         page, agreed_at = 1, ""
-        if not (self._pool.games.is_running(key) or self._pool.games.result(key)):
+        if not self._has_begun(key):
             before = await self._prepare(window)
             if before is None:
                 return
@@ -92,10 +98,9 @@ class SingleGames:
     async def _prepare(self, window: BrowserWindow) -> tuple[int, str] | None:
         """Show rules and consent; return the number of the next page and the time of consent, or None if declined."""
         texts = self._setting.texts
-        offer = offer_of(self._setting, given=True)
         page, agreed_at = 1, ""
-        if offer.consent:
-            await window.send(ConsentToAsk(page, offer.consent))
+        if (consent := self._consent()) is not None:
+            await window.send(consent)
             reply = await _about(window, page)
             while not isinstance(reply, ConsentReply):
                 reply = await _about(window, page)
@@ -104,12 +109,24 @@ class SingleGames:
                 return None
             agreed_at = utc_now()
             page += 1
-        rules = "\n\n".join((texts.text("start.introduction"), *offer.rules))
-        begin = texts.text("start.begin", count=offer.usual)
-        await window.send(TextToRead(page, texts.text("window.title"), rules, begin))
+        await window.send(self._rules(page))
         while not isinstance(await _about(window, page), WentOn):
             pass
         return page + 1, agreed_at
+
+    def _consent(self) -> ConsentToAsk | None:
+        """Return the page that asks for consent; None if the study asks for none."""
+        text = offer_of(self._setting, given=True).consent
+        return ConsentToAsk(1, text) if text else None
+
+    def _rules(self, page: int) -> TextToRead:
+        """Return the page with the rules of the game."""
+        texts, offer = self._setting.texts, offer_of(self._setting, given=True)
+        rules = "\n\n".join((texts.text("start.introduction"), *offer.rules))
+        return TextToRead(page, texts.text("window.title"), rules, texts.text("start.begin", count=offer.usual))
+
+    def _has_begun(self, key: str) -> bool:
+        return self._pool.games.is_running(key) or self._pool.games.result(key) is not None
 
     async def _await_turn(self, window: BrowserWindow, key: str, page: int) -> None:
         """Let the visitor wait until their game can start."""
@@ -184,6 +201,11 @@ class SingleGames:
                 watching.cancel()
                 window.play(None)
                 window.has_place = False
+
+
+def _key(secret: str) -> str:
+    """Return the key of a visitor's game."""
+    return f"visitor-{hashlib.sha256(secret.encode()).hexdigest()[:_DIGEST]}"
 
 
 async def _watch(window: BrowserWindow, game: HostedGame) -> None:

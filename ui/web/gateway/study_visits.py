@@ -128,6 +128,10 @@ class StudyVisits:
 
     # The people's side
 
+    def greet(self, secret: str, entry: LinkEntry) -> TextToRead | None:
+        """Return the first page of a new visitor; None for people who have begun, and for people who must wait."""
+        return None if self._run_of(secret, entry) is not None else self._entrance(entry)
+
     async def visit(self, visitor: Visitor) -> None:
         """Take a visitor through the study, from the step at which they are."""
         window = visitor.window
@@ -149,7 +153,7 @@ class StudyVisits:
             await asyncio.gather(listening, return_exceptions=True)
 
     async def _go_through(self, course: StudyCourse, pages: KioskPages, visitor: Visitor) -> None:
-        run, again = self._run_of(visitor), False
+        run, again = self._run_of(visitor.secret, visitor.entry), False
         if run is None:
             run = await self._admit(course, pages, visitor.entry)
             if run is None:
@@ -172,12 +176,24 @@ class StudyVisits:
         # A person who loads the page again still finds what the recruiting service wants.
         await pages.show(TextToRead(0, thanks, text, button="", code=run.code, ending=course.ending(run)))
 
-    def _run_of(self, visitor: Visitor) -> Run | None:
+    def _run_of(self, secret: str, entry: LinkEntry) -> Run | None:
         """Return the run of a visitor who has begun before."""
         progress = self._conductor.progress
-        if visitor.entry.external_id:
-            return progress.run_of(visitor.entry.external_id)
-        return progress.runs.get(self._tickets.participant(visitor.secret))
+        if entry.external_id:
+            return progress.run_of(entry.external_id)
+        return progress.runs.get(self._tickets.participant(secret))
+
+    def _entrance(self, entry: LinkEntry) -> TextToRead | None:
+        """Return the first page of a new visitor: it invites them, or says that the study is full; None if they must
+        wait.
+        """
+        texts, place = self.texts, self._conductor.progress.next_place()
+        if self._queue.is_closed or place in {NoPlace.TAKEN, NoPlace.CLOSED}:
+            return None
+        if place is NoPlace.FULL:
+            ending = ending_of(self._design.file.recruiting, Ending.FULL, entry.parameters)
+            return TextToRead(0, *words.headed(texts, "full"), button="", ending=ending)
+        return TextToRead(0, *words.headed(texts, "welcome", "web"), button=texts.text("kiosk.begin"), anew=True)
 
     async def _await_place(self, pages: KioskPages) -> None:
         """Let a visitor wait until a place may be free, or until the study is full."""
@@ -193,21 +209,17 @@ class StudyVisits:
 
     async def _admit(self, course: StudyCourse, pages: KioskPages, entry: LinkEntry) -> Run | None:
         """Show the first page until a visitor has a place; return their run, or None if the study is full."""
-        texts = self.texts
         await course.text_steps.send_instructions(None)
         while True:
             if self._queue.is_closed:
-                await pause(pages.window, texts)
-            place = self._conductor.progress.next_place()
-            if place is NoPlace.FULL:
-                ending = ending_of(self._design.file.recruiting, Ending.FULL, entry.parameters)
-                await pages.show(TextToRead(0, *words.headed(texts, "full"), button="", ending=ending))
-                return None
-            if place in {NoPlace.TAKEN, NoPlace.CLOSED}:
+                await pause(pages.window, self.texts)
+            entrance = self._entrance(entry)
+            if entrance is None:
                 await self._await_place(pages)
                 continue
-            begin = texts.text("kiosk.begin")
-            await pages.show(TextToRead(0, *words.headed(texts, "welcome", "web"), button=begin, anew=True))
+            await pages.show(entrance)
+            if not entrance.button:
+                return None
             while not isinstance(await pages.next(), WentOn):
                 pass
             if self._queue.is_closed:

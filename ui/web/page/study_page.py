@@ -314,6 +314,13 @@ class StudyPageMaker:
         return points
 
 
+def first_text(page: dict[str, Json] | None, texts: Texts) -> str:
+    """Return the text of a page as HTML, which people can read before the scripts are loaded; None is a short wait."""
+    shown = page or {"heading": texts.text("pages.one_moment")}
+    html = shown.get("html") or f"<p>{escape(str(shown.get('text', '')))}</p>"
+    return f'<article class="reading"><h1>{escape(str(shown["heading"]))}</h1><div class="prose">{html}</div></article>'
+
+
 def _link_in_other_tab(
     renderer: RendererHTML, tokens: Sequence[Token], index: int, options: OptionsDict, _env: EnvType
 ) -> str:

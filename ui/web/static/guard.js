@@ -1,5 +1,5 @@
 // Shows a sentence when the page cannot go on, and reports the cause to the server once. It runs before the page's
-// modules, and its syntax is so old that browsers that are too old for the page run it too.
+// modules, because both are deferred, and its syntax is so old that browsers that are too old for the page run it too.
 (function () {
   var told = false;
 

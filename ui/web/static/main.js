@@ -1,7 +1,6 @@
 // Connects the page with the server, and shows what it sends: pages of the study, and the game.
 
 import { element, set } from "./dom.js";
-import { GamePage } from "./game.js";
 import { ConsentPage, FormPage, TextPage, TurnPage, WaitPage } from "./study.js";
 
 const PAGES = { text: TextPage, recorded: TextPage, consent: ConsentPage, wait: WaitPage, turn: TurnPage, form: FormPage };
@@ -18,6 +17,14 @@ let game = null;
 let retries = 0;
 let instructions = [];
 let ended = false;
+
+// The first pages do not need the modules of games, so these load while the person reads.
+let GamePage = null;
+const held = []; // Messages of and after a game that came before its modules, in their order.
+import("./game.js").then((module) => {
+  GamePage = module.GamePage;
+  held.splice(0).forEach(receive);
+});
 
 // A page that connects again is the same tab, also after its network address has changed.
 const tab = [...crypto.getRandomValues(new Uint8Array(8))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
@@ -55,7 +62,9 @@ function connect() {
   made.addEventListener("message", ({ data }) => {
     if (made !== socket) return;
     heardAt = performance.now();
-    receive(JSON.parse(data));
+    const message = JSON.parse(data);
+    if (message.t !== "ping" && (held.length || (message.t === "game" && !GamePage))) held.push(message);
+    else receive(message);
   });
   made.addEventListener("close", ({ code }) => {
     if (made !== socket || ended) return;

@@ -108,7 +108,7 @@ def test_foreign_pages_and_guessed_cookies_get_no_visit() -> None:
 
 def test_all_answers_forbid_scripts_of_others() -> None:
     async def play(port: int, _visitors: Visitors) -> None:
-        for path in (b"/", b"/static/main.js", b"/static/index.html", b"/missing"):
+        for path in (b"/", b"/static/main.js", b"/missing"):
             answer = (await said(port, b"GET " + path + b" HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n")).lower()
             assert b"content-security-policy: default-src 'none'; script-src 'self'" in answer
             assert b"x-content-type-options: nosniff" in answer
