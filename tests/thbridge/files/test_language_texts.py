@@ -14,6 +14,21 @@ from thbridge.files.errors import BadFile
 from thbridge.files.language_texts import ENGLISH, advice_on_texts, missing_texts, read_texts, shipped_texts
 from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in
 
+ONLY_IN_WINDOWS = frozenset(
+    {
+        *("kiosk.welcome_wait", "kiosk.restarted_text", "kiosk.stopped_text"),
+        *("kiosk.program_stopped_text", "kiosk.program_stopped_between"),
+        *(
+            "kiosk.close",
+            "kiosk.close_text",
+            "kiosk.close_window",
+            "kiosk.close_window_hint",
+            "kiosk.close_window_name",
+        ),
+        *("pages.not_recorded", "pages.key_close"),
+    }
+)
+"""Keys of texts about the room or the window that no browser shows."""
 HEAD = "language: {title: Polski, falls_back_on: en, plural: 'n==1 ? 0 : n%10>=2 && n%10<=4 && n%100/10!=1 ? 1 : 2'}\n"
 
 
@@ -151,6 +166,18 @@ def test_no_text_is_left_that_no_program_asks_for():
     asked = {key for key, _, _ in found.asked} | found.words
     left = [key for key in shipped_texts().entries if key not in asked and not key.startswith(tuple(found.begun))]
     assert left == []
+
+
+@pytest.mark.parametrize(
+    ("language", "room"), [("en", "researcher|window|desk|computer"), ("de", "Versuchsl|Fenster|Tisch|Computer")]
+)
+def test_texts_in_browsers_refer_to_no_room_and_no_window(language, room):
+    texts = shipped_texts(language)
+    assert all(key.removeprefix("browser.") in texts.entries for key in texts.entries)
+    shown = texts.in_browser().entries
+    parts = ("forms.", "game_over.", "kiosk.", "pages.", "practice.", "start.", "web.")
+    found = {key for key in shown if key.startswith(parts) and re.search(room, str(shown[key]))}
+    assert found - ONLY_IN_WINDOWS - {"kiosk.tell_researcher", "web.message", "web.elsewhere_text"} == set()
 
 
 def test_english_is_the_language_that_has_all_texts():

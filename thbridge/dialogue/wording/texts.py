@@ -3,7 +3,7 @@
 import gettext
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 from sim.common.robot_numbers import number_of
@@ -97,6 +97,12 @@ class Texts:
         Otherwise this method is like `text`.
         """
         return fill(self._form(key, count), self._words(values, count), _WITHIN)
+
+    def in_browser(self) -> "Texts":
+        """Return the texts for people in a browser: texts of the file `browser` replace the texts that they name."""
+        return replace(
+            self, entries={key: self.entries.get(f"browser.{key}", text) for key, text in self.entries.items()}
+        )
 
     def has(self, key: str) -> bool:
         """Return True if there is a text with this key."""

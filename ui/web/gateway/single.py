@@ -49,6 +49,9 @@ class SingleGames:
         queue: queue of people who wait for a game.
         new_bag: function that returns the path of a new recording.
         max_seconds: simulated seconds after which a game is stopped.
+
+    Attributes:
+        texts: texts of the study's language.
     """
 
     def __init__(
@@ -62,19 +65,15 @@ class SingleGames:
     ) -> None:
         self._study, self._file = study, file
         self._setting = setting_of(study, file)
+        self.texts: Texts = self._setting.texts.in_browser()
         self._pool = pool
         self._queue = queue
         self._new_bag = new_bag
         self._max_seconds = max_seconds
 
-    @property
-    def texts(self) -> Texts:
-        """Texts of the study's language."""
-        return self._setting.texts
-
     def window(self) -> BrowserWindow:
         """Return a window in the study's language."""
-        return BrowserWindow(self._setting.texts)
+        return BrowserWindow(self.texts)
 
     def greet(self, secret: str, _entry: LinkEntry) -> ToKiosk | None:
         """Return the first page of a visitor; None if their game has begun."""
@@ -83,7 +82,7 @@ class SingleGames:
     async def visit(self, visitor: Visitor) -> None:
         """Take a visitor through the course, or lead them back to their game."""
         window = visitor.window
-        await window.send(StudyTexts(GameTexts.of(self._setting.texts)))
+        await window.send(StudyTexts(GameTexts.of(self.texts)))
         key = _key(visitor.secret)
         page, agreed_at = 1, ""
         if not self._has_begun(key):
@@ -97,7 +96,7 @@ class SingleGames:
 
     async def _prepare(self, window: BrowserWindow) -> tuple[int, str] | None:
         """Show rules and consent; return the number of the next page and the time of consent, or None if declined."""
-        texts = self._setting.texts
+        texts = self.texts
         page, agreed_at = 1, ""
         if (consent := self._consent()) is not None:
             await window.send(consent)
@@ -121,7 +120,7 @@ class SingleGames:
 
     def _rules(self, page: int) -> TextToRead:
         """Return the page with the rules of the game."""
-        texts, offer = self._setting.texts, offer_of(self._setting, given=True)
+        texts, offer = self.texts, offer_of(self._setting, given=True)
         rules = "\n\n".join((texts.text("start.introduction"), *offer.rules))
         return TextToRead(page, texts.text("window.title"), rules, texts.text("start.begin", count=offer.usual))
 
@@ -130,7 +129,7 @@ class SingleGames:
 
     async def _await_turn(self, window: BrowserWindow, key: str, page: int) -> None:
         """Let the visitor wait until their game can start."""
-        texts, queue, waiting = self._setting.texts, self._queue, True
+        texts, queue, waiting = self.texts, self._queue, True
         while waiting:
             queue.enter(key)
             try:
@@ -153,7 +152,7 @@ class SingleGames:
             await pause(window, texts)
 
     async def _play(self, window: BrowserWindow, key: str, page: int, agreed_at: str) -> None:
-        texts = self._setting.texts
+        texts = self.texts
         await window.send(GamePrepared(page, texts.text("pages.preparing", count=self._study.robots)))
         request = SingleGame(self._study, self._file, self._new_bag(), False, agreed_at, self._max_seconds)
         went_on, deaths = False, DeathCount()

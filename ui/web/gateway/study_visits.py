@@ -91,7 +91,7 @@ class StudyVisits:
         self._report = report
         conductor.listeners.append(self._forget_result)
         self.here: dict[str, PersonHere] = {}
-        self.texts: Texts = texts_of(design.study, design.beside)
+        self.texts: Texts = texts_of(design.study, design.beside).in_browser()
 
     def _forget_result(self, logged: LoggedEvent) -> None:
         """Delete the result of a person's game once the log shows that it is not needed any more."""
@@ -172,9 +172,10 @@ class StudyVisits:
         elif not run.farewell_read:
             await course.part(participant)
         run = self._conductor.progress.runs[participant]
-        thanks, text = self.texts.text("kiosk.thank_you"), self.texts.text("pages.close_window")
+        thanks, ending = self.texts.text("kiosk.thank_you"), course.ending(run)
         # A person who loads the page again still finds what the recruiting service wants.
-        await pages.show(TextToRead(0, thanks, text, button="", code=run.code, ending=course.ending(run)))
+        text = "" if ending else self.texts.text("pages.close_window")
+        await pages.show(TextToRead(0, thanks, text, button="", code=run.code, ending=ending))
 
     def _run_of(self, secret: str, entry: LinkEntry) -> Run | None:
         """Return the run of a visitor who has begun before."""
@@ -193,7 +194,7 @@ class StudyVisits:
         if place is NoPlace.FULL:
             ending = ending_of(self._design.file.recruiting, Ending.FULL, entry.parameters)
             return TextToRead(0, *words.headed(texts, "full"), button="", ending=ending)
-        return TextToRead(0, *words.headed(texts, "welcome", "web"), button=texts.text("kiosk.begin"), anew=True)
+        return TextToRead(0, *words.headed(texts, "welcome"), button=texts.text("kiosk.begin"), anew=True)
 
     async def _await_place(self, pages: KioskPages) -> None:
         """Let a visitor wait until a place may be free, or until the study is full."""

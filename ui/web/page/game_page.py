@@ -461,7 +461,9 @@ class BrowserPageMaker:
             question=_question(button, screen),
             ending=None if ending is None else PageQuestion(ending.title, ending.lines, (button.one(ending.again),)),
             rules=screen.rules,
-            help=(*screen.help, ("F6", texts.text("pages.key_next_part")), *button_keys(texts)) if screen.help else (),
+            help=(*screen.help, ("F6", texts.text("browser.pages.key_next_part")), *button_keys(texts))
+            if screen.help
+            else (),
             close_help=button.one(Action(ShowHelp(), texts.text("popups.close"), HELP.keys[0])),
             enlarged=self._picture_id(screen.enlarged),
             followed=followed,

@@ -352,7 +352,6 @@ PAGE_WORDS = (
     "pages.rules_and_keys",
     "pages.instructions",
     "pages.thanks",
-    "pages.close_window",
     "popups.close",
     "kiosk.read_again",
     "kiosk.read_again_name",
@@ -369,7 +368,7 @@ PAGE_WORDS = (
     "settings.sound",
     "settings.sound_on",
     "settings.close",
-    "web.look_system",
-    "web.leave_text",
+    "settings.look_system",
+    "kiosk.leave_text",
 )
 """Keys of the texts for the fixed parts of the page."""

@@ -242,7 +242,7 @@ function readAgain() {
 function askToStop() {
   openSheet(
     element("h2", { text: words["kiosk.leave"] }),
-    element("p", { text: words["web.leave_text"] }),
+    element("p", { text: words["kiosk.leave_text"] }),
     element("footer", { class: "row end" }, closer("kiosk.stop", () => send({ type: "StoppedTakingPart" })), closer("kiosk.go_on")),
   );
 }
@@ -278,7 +278,7 @@ function openSettings() {
   close.addEventListener("click", () => settings.close());
   settings.replaceChildren(
     element("h2", { text: words["settings.title"] }),
-    choice(words["settings.look"], [["system", words["web.look_system"]], ["light", words["settings.look_light"]], ["dark", words["settings.look_dark"]]], localStorage.getItem("look") ?? "system", keep("look")),
+    choice(words["settings.look"], [["system", words["settings.look_system"]], ["light", words["settings.look_light"]], ["dark", words["settings.look_dark"]]], localStorage.getItem("look") ?? "system", keep("look")),
     choice(words["settings.text_size"], SIZES.map((size) => [String(size), `${size} %`]), localStorage.getItem("size") ?? "100", keep("size")),
     soundChoice(keep("sound")),
     element("footer", { class: "row end" }, close),

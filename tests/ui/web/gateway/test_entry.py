@@ -131,7 +131,7 @@ def test_a_link_that_admits_no_one_shows_what_to_do_and_writes_nothing(
         async with served(folder) as (port, conductor):
             browser = BrowserClient(port)
             text = await asyncio.to_thread(browser.load, query)
-            assert said in text and "ask the researcher" in text and "<script" not in text
+            assert said in text and "the person who invited you" in text and "<script" not in text
             assert not browser.cookie, "no visit begins"
             assert not conductor.progress.runs
 
@@ -201,6 +201,7 @@ def test_each_ending_has_its_own_address_or_code(study: Callable[[str], Path]) -
             declining = await BrowserClient.arrived(port)
             await consented(declining, agrees=False)
             assert await ending(declining) == ("https://service.example/declined", "")
+            assert "contact the researchers of this study" in declining.shown["html"], "none is in the room"
             failing = await BrowserClient.arrived(port)
             await finished(failing, check="3")
             assert await ending(failing) == ("", "CHECK-CODE")
