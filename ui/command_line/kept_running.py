@@ -19,8 +19,10 @@ MOST_DEATHS, WITHIN = 30, 60.0
 _STOPS = (signal.SIGINT, signal.SIGTERM)
 
 
-def keep_running() -> None:
+def keep_running() -> bool:
     """Continue this program in a child process; if a signal kills it, continue in another child.
+
+    Return True in the first child.
 
     The parent process never returns: it waits for the child, and exits with its exit code. SIGTERM is passed on to the
     child. The child dies with the parent.
@@ -35,7 +37,7 @@ def keep_running() -> None:
         if child == 0:
             os.close(pulse)
             threading.Thread(target=_die_with_parent, args=(alive,), daemon=True).start()
-            return
+            return not deaths
         os.close(alive)
         code = os.waitstatus_to_exitcode(_ended(child))
         os.close(pulse)

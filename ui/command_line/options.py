@@ -167,6 +167,16 @@ def the_study(by_position: Path | None, by_option: Path | None) -> Path | None:
     return by_position or by_option
 
 
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler",
+        help="Address of the scheduler of a Dask cluster, such as tls://10.0.0.1:8786.",
+        metavar="ADDRESS",
+    ),
+]
+
+
 class EngineKind(StrEnum):
     """Kinds of engines, which play the games of a batch."""
 
@@ -275,12 +285,7 @@ class EngineOptions:
     processes: Annotated[
         int | None, typer.Option(help="Number of processes on this machine; default: one per core.", min=1, max=1024)
     ] = None
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            help="Address of the scheduler of a Dask cluster, such as tls://10.0.0.1:8786.", metavar="ADDRESS"
-        ),
-    ] = None
+    scheduler: Scheduler = None
     jobs: Annotated[int, typer.Option(help="Number of Slurm jobs to submit at a time.", min=1, max=10_000)] = 10
     job_options: Annotated[
         list[str] | None,

@@ -3,19 +3,22 @@
 import secrets
 import socket
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ui.command_line.options import OpenTo
+from ui.command_line.options import OpenTo, Scheduler
 from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from contextlib import AbstractAsyncContextManager
 
     from thbridge.study.study_file import Study
     from ui.web.gateway.serving import ServerOptions
+    from ui.web.pool.pool import RemoteHosts
 
 Served = Annotated[
     Path | None, typer.Argument(help="Study file, or folder of a study with people.", metavar="STUDY|FOLDER")
@@ -36,7 +39,11 @@ def serve(
             "it, the command prints a link with a random key."
         ),
     ] = None,
-    games: Annotated[int, typer.Option(help="Greatest number of games at the same time.", min=1)] = 8,
+    games: Annotated[
+        int,
+        typer.Option(help="Greatest number of games at the same time on this machine; 0 only with --scheduler.", min=0),
+    ] = 8,
+    scheduler: Scheduler = None,
     bags: Annotated[Path, typer.Option(help="Folder for recordings of games without a study folder.")] = Path("served"),
     tls_cert: Annotated[Path | None, typer.Option(help="Certificate of the server, a PEM file, for HTTPS.")] = None,
     tls_key: Annotated[Path | None, typer.Option(help="Private key of the certificate, a PEM file.")] = None,
@@ -68,6 +75,7 @@ def serve(
     from ui.command_line.kept_running import keep_running
     from ui.command_line.keys import keys_of
     from ui.command_line.networks import check_browsers, check_networks
+    from ui.command_line.schedulers import warn_if_open
     from ui.command_line.settings import note_doubts, setting_of, study_of
     from ui.first_start.compiling import compile_ahead
     from ui.web.gateway.draining import drain as drain_server
@@ -84,6 +92,15 @@ def serve(
                 f"No server serves {recorded}. Name its study folder, or its folder of recordings with --bags.",
             )
         return
+    if games == 0 and scheduler is None:
+        fail(BAD_INPUT, "--games 0: games need a machine. Write at least 1, or add --scheduler.")
+    if scheduler is not None:
+        if find_spec("distributed") is None:
+            fail(BAD_INPUT, "--scheduler: distributed is not installed. Run: pip install 'thbridge[cluster]'")
+        warn_if_open(scheduler)
+        # Other machines have another working folder.
+        served, recorded = None if served is None else served.absolute(), recorded.absolute()
+        bags = bags.absolute()
     check_networks("--open-to", open_to or ())
     check_networks("--proxy", proxy or ())
     if (tls_cert is None) != (tls_key is None):
@@ -105,29 +122,47 @@ def serve(
         ready, admission = partial(note, addresses), Admission.to(networks)
         desk_keys = SingleKey(secret) if ring is None else ring
         return ServerOptions(
-            listening, games, tls, ready, admission, tuple(proxy or ()), running=running, keys=desk_keys
+            listening,
+            games,
+            tls,
+            ready,
+            admission,
+            tuple(proxy or ()),
+            running=running,
+            remote=None if scheduler is None else _remote_hosts(scheduler, recorded),
+            keys=desk_keys,
         )
+
+    def begin() -> None:
+        """Continue in a process that is started again if it dies; end the first one if the cluster cannot be used."""
+        compile_ahead(whole_hunt=True)
+        if keep_running() and scheduler is not None:
+            _check_cluster(scheduler, recorded)
 
     with bad_input():
         lock = running.lock_server(recorded)
     with lock:
         if served is not None and is_study:
-            _serve_folder(served, options)
+            _serve_folder(served, options, begin)
             return
         study = study_of(served, {})
         note_doubts(setting_of(study, served))
         chosen = options(study, served)
-        compile_ahead(whole_hunt=True)
-        keep_running()
+        if scheduler is not None:
+            with bad_input():
+                make_folder(bags)
+        begin()
 
         def new_bag() -> Path:
             make_folder(bags)
             return bags / f"{secrets.token_hex(6)}.bag"
 
-        run(serve_games(study, served, new_bag, chosen))
+        run(serve_games(study, served, new_bag, note, chosen))
 
 
-def _serve_folder(folder: Path, options: "Callable[[Study, Path | None], ServerOptions]") -> None:
+def _serve_folder(
+    folder: Path, options: "Callable[[Study, Path | None], ServerOptions]", begin: "Callable[[], None]"
+) -> None:
     from thbridge.experiment.check import read_for_people
     from thbridge.experiment.conductor import Conductor
     from thbridge.experiment.design.recruiting import link_codes
@@ -136,9 +171,7 @@ def _serve_folder(folder: Path, options: "Callable[[Study, Path | None], ServerO
     from thbridge.experiment.store.event_log import ExperimentLog
     from thbridge.files.disk.synced import make_folder
     from ui.command_line.event_loop import run
-    from ui.command_line.kept_running import keep_running
     from ui.commands.study.unfinished import finish_begun_withdrawals
-    from ui.first_start.compiling import compile_ahead
     from ui.web.gateway.serving import serve_study
     from ui.web.gateway.study_visits import VisitClock
 
@@ -148,8 +181,7 @@ def _serve_folder(folder: Path, options: "Callable[[Study, Path | None], ServerO
         design = read_for_people(place)
         codes = link_codes(design.file.recruiting, place.root)
     chosen = options(design.study, design.path)
-    compile_ahead(whole_hunt=True)
-    keep_running()
+    begin()
     with bad_input():
         make_folder(place.log.parent)
         log = ExperimentLog(place.log)
@@ -159,6 +191,25 @@ def _serve_folder(folder: Path, options: "Callable[[Study, Path | None], ServerO
         for trouble in markers.troubles:
             note(trouble)
         run(serve_study(place, design, conductor, clock, note, chosen, codes))
+
+
+def _remote_hosts(
+    scheduler: str, recorded: Path
+) -> "Callable[[Callable[[str], None]], AbstractAsyncContextManager[RemoteHosts]]":
+    from ui.web.pool.cluster import ClusterHosts
+
+    return lambda report: ClusterHosts(scheduler, recorded, report).watched()
+
+
+def _check_cluster(scheduler: str, recorded: Path) -> None:
+    import asyncio
+
+    from ui.web.pool.cluster import ClusterUnfit, check_cluster
+
+    try:
+        asyncio.run(check_cluster(scheduler, recorded))
+    except ClusterUnfit as reason:
+        fail(BAD_INPUT, str(reason))
 
 
 def _listen(host: str, port: int) -> socket.socket:

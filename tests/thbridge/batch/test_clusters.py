@@ -26,7 +26,7 @@ from thbridge.batch.engines import dask
 from thbridge.batch.engines.dask import DaskEngine
 from thbridge.batch.engines.engine import EngineFailed
 from thbridge.batch.engines.slurm import SlurmEngine
-from ui.commands.sweep.engines import is_open_to_others
+from ui.command_line.schedulers import is_open_to_others
 
 FEW = """\
 base: {game.energy: 20}

@@ -3,14 +3,13 @@
 import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from ipaddress import ip_address
 from pathlib import Path
-from urllib.parse import urlsplit
 
 from thbridge.batch.engines.engine import Engine, EngineFailed, TaskT
 from thbridge.batch.engines.processes import ProcessEngine
 from ui.command_line.options import EngineKind, EngineOptions
-from ui.command_line.terminal import BAD_INPUT, FAILED, fail, note
+from ui.command_line.schedulers import warn_if_open
+from ui.command_line.terminal import BAD_INPUT, FAILED, fail
 from ui.first_start.compiling import usable_cores
 
 
@@ -41,12 +40,7 @@ def chosen_engine(options: EngineOptions, warm: Sequence[str], log: Path) -> Eng
         if kind is EngineKind.DASK:
             from thbridge.batch.engines.dask import DaskEngine
 
-            if is_open_to_others(scheduler or ""):
-                note(
-                    f"Warning: {scheduler} is another machine, reached without TLS. Any machine that reaches the "
-                    "scheduler can run programs on its workers and on this computer. Use a tls:// address; see "
-                    "`thbridge docs sweeps`."
-                )
+            warn_if_open(scheduler or "")
             return DaskEngine(scheduler or "")
         from thbridge.batch.engines.slurm import SlurmEngine
 
@@ -55,17 +49,6 @@ def chosen_engine(options: EngineOptions, warm: Sequence[str], log: Path) -> Eng
         fail(FAILED, f"--engine {kind}: {missing.name} is not installed. Run: pip install 'thbridge[cluster]'")
     except EngineFailed as reason:
         fail(FAILED, str(reason))
-
-
-def is_open_to_others(scheduler: str) -> bool:
-    """Return True if the scheduler at this address is reached over a network without TLS."""
-    scheme, separator, rest = scheduler.rpartition("://")
-    if separator and scheme in {"tls", "wss", "inproc"}:
-        return False
-    try:
-        return not ip_address(urlsplit(f"//{rest}").hostname or "").is_loopback
-    except ValueError:
-        return rest.partition(":")[0].lower() != "localhost"
 
 
 @contextmanager

@@ -40,12 +40,13 @@ class BrowserWindow:
     Attributes:
         has_place: True while the person has a place in the study or plays a game. A visitor without a place may be
             forgotten.
-        watch_port: TCP port of this machine for `thbridge watch`; 0 if the person's game cannot be watched.
+        watch_port: TCP port for `thbridge watch`; 0 if the person's game cannot be watched.
+        watch_host: machine of this port; empty for this machine.
     """
 
     def __init__(self, texts: Texts) -> None:
         self.has_place = False
-        self.watch_port = 0
+        self.watch_port, self.watch_host = 0, ""
         self._maker = StudyPageMaker(texts)
         self._kept: list[ToKiosk] = []
         self._requests: asyncio.Queue[FromKiosk] = asyncio.Queue()

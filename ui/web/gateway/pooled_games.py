@@ -146,7 +146,7 @@ class PooledGames:
                     # The browser is connected through the worker, not through the text server.
                     watcher.ready(ListeningAddress("", 0))
                 case GameWatched(port):
-                    self._window.watch_port = port
+                    self._window.watch_port, self._window.watch_host = port, self._pool.games.remote_host(key)
                 case SeatSeenOver():
                     # If the worker was running already, the page of the game is sent before.
                     loop.call_soon(self._window.note_seen_over)

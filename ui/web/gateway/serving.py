@@ -9,6 +9,7 @@ import socket
 import ssl
 import tempfile
 from collections.abc import AsyncIterator, Callable, Iterable, Iterator
+from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass, field
 from ipaddress import IPv4Network
 from pathlib import Path
@@ -35,7 +36,7 @@ from ui.web.gateway.people import Visitors
 from ui.web.gateway.presence import PresenceWatch
 from ui.web.gateway.single import SingleGames
 from ui.web.gateway.study_visits import StudyVisits, VisitClock
-from ui.web.pool.pool import WorkerPool
+from ui.web.pool.pool import RemoteHosts, WorkerPool
 from ui.web.pool.running_games import RunningGames
 
 CLOSING_SECONDS = 5
@@ -78,21 +79,24 @@ class _Server(uvicorn.Server):
 
 
 @contextlib.asynccontextmanager
-async def _pool(options: "ServerOptions") -> AsyncIterator[WorkerPool]:
+async def _pool(options: "ServerOptions", report: Callable[[str], None]) -> AsyncIterator[WorkerPool]:
     """Yield the pool of workers. Running games outlive the server only if another server can find them."""
-    with contextlib.ExitStack() as stack:
+    async with contextlib.AsyncExitStack() as stack:
         running = options.running
         if running is None:
             folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="thbridge-"))
             running = RunningGames(Path(folder, "games"))
         running.tidy()
-        pool = WorkerPool(running, options.games)
+        remote = None if options.remote is None else await stack.enter_async_context(options.remote(report))
+        pool = WorkerPool(running, options.games, remote)
         await pool.hold()
+        probing = asyncio.create_task(pool.probe())
         # Running games continue at once. A game that starts before the end of the warm-up waits for it.
         warming = asyncio.create_task(pool.warm_up())
         try:
             yield pool
         finally:
+            probing.cancel()
             if options.running is None:
                 await asyncio.gather(*map(pool.end, [*running]))
             await asyncio.gather(warming, return_exceptions=True)
@@ -104,12 +108,13 @@ class ServerOptions:
 
     Attributes:
         listening: bound socket.
-        games: greatest number of games at the same time.
+        games: greatest number of games at the same time on this machine.
         tls: context with the certificate of the server. If None, connections are not encrypted.
         ready: called when browsers can connect.
         admission: networks of the admitted machines.
         proxies: networks of proxies, whose headers name the browser's address and scheme.
         running: running games, which the next server continues. If None, games end with the server.
+        remote: function that opens the other machines for games; its argument receives sentences about problems.
         keys: keys of researchers. The default is a random key, which no one knows.
     """
 
@@ -120,19 +125,27 @@ class ServerOptions:
     admission: Admission = OWN_MACHINE
     proxies: tuple[str, ...] = ()
     running: RunningGames | None = None
+    remote: Callable[[Callable[[str], None]], AbstractAsyncContextManager[RemoteHosts]] | None = None
     keys: KeyVerifier = field(default_factory=lambda: SingleKey(secrets.token_urlsafe(24)))
 
 
-async def serve_games(study: Study, file: Path | None, new_bag: Callable[[], Path], options: ServerOptions) -> None:
+async def serve_games(
+    study: Study,
+    file: Path | None,
+    new_bag: Callable[[], Path],
+    report: Callable[[str], None],
+    options: ServerOptions,
+) -> None:
     """Serve one game to each visitor until stopped.
 
     Args:
         study: the study.
         file: its file, for relative paths.
         new_bag: function that returns the path of a new recording.
+        report: function that receives sentences about problems.
         options: options of the gateway.
     """
-    async with _pool(options) as pool:
+    async with _pool(options, report) as pool:
         queue = GameQueue(pool)
         single = SingleGames(study, file, pool, queue, new_bag, math.inf)
         drain = DrainPort(pool.games, queue)
@@ -162,15 +175,16 @@ async def serve_study(
     """
     tickets = place.tickets
     entry = StudyEntry(design.file.recruiting, codes, conductor, tickets)
-    async with _pool(options) as pool:
-        queue, problems = GameQueue(pool), [report]
+    problems = [report]
 
-        def tell(problem: str) -> None:
-            for each in problems:
-                each(problem)
+    def tell(problem: str) -> None:
+        for each in problems:
+            each(problem)
 
+    async with _pool(options, tell) as pool:
+        queue = GameQueue(pool)
         visits = StudyVisits(place.root, design, conductor, clock, pool, queue, tickets, tell)
-        desk = ServedDesk(design, conductor, visits, lambda: (options.games - pool.free, pool.free), visits.texts)
+        desk = ServedDesk(design, conductor, visits, lambda: (pool.playing, pool.free), visits.texts)
         problems.append(desk.report)
         drain = DrainPort(pool.games, queue)
         watching = asyncio.create_task(PresenceWatch(design.file.presence, conductor, visits.here, tell).run())

@@ -236,4 +236,4 @@ def _now(person: PersonHere) -> PersonNow:
     connection = "gone" if visitor.live is None else "away" if is_away else "here"
     window = visitor.window
     watch = command("watch", f"{LOCALHOST}:{window.watch_port}") if window.watch_port else ""
-    return PersonNow(connection, visitor.round_trip, person.pages.lag, window.plays, watch)
+    return PersonNow(connection, visitor.round_trip, person.pages.lag, window.plays, watch, window.watch_host)

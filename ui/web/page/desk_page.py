@@ -35,6 +35,7 @@ class PersonNow:
         lag: time by which the person's game is behind real time, seconds.
         plays: True if the person has a game.
         watch: command with which the researcher watches the game; empty before it was requested.
+        watch_host: machine on which to run this command; empty for the machine of the study.
     """
 
     connection: str
@@ -42,6 +43,7 @@ class PersonNow:
     lag: int
     plays: bool
     watch: str = ""
+    watch_host: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -265,7 +267,11 @@ class DeskPageMaker:
         )
         command = "" if person is None or not is_here else person.watch
         mark = person.connection if person is not None and is_here else run.state
-        return DeskRow(who, cells, tuple(actions), mark, self._text("watch_note") if command else "", command)
+        note = ""
+        if person is not None and command:
+            there = person.watch_host
+            note = self._text("watch_note_elsewhere", host=there) if there else self._text("watch_note")
+        return DeskRow(who, cells, tuple(actions), mark, note, command)
 
     def _step(self, run: DeskRun) -> str:
         name = run.step_name or self._text("last_page")

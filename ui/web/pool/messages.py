@@ -46,6 +46,10 @@ class PersonLeft(msgspec.Struct, frozen=True, tag="leave"):
     """Gateway: the person has left the game, or their run has ended; the game ends."""
 
 
+class ResultKept(msgspec.Struct, frozen=True, tag="kept"):
+    """Gateway: the result is kept; a worker on another machine waits for this message."""
+
+
 class ToBrowser(msgspec.Struct, frozen=True, tag="show"):
     """Worker: a message for the browser with this number, to be passed on unchanged."""
 
@@ -129,7 +133,7 @@ class WorkerResult(msgspec.Struct, frozen=True, tag="ended"):
     declined: bool = False
 
 
-ToWorker: TypeAlias = GatewayHello | BrowserJoined | BrowserLeft | FromBrowser | PersonLeft | WatchWanted
+ToWorker: TypeAlias = GatewayHello | BrowserJoined | BrowserLeft | FromBrowser | PersonLeft | WatchWanted | ResultKept
 FromWorker: TypeAlias = (
     ToBrowser
     | GameReady

@@ -1,4 +1,4 @@
-"""Pool of workers on this machine: each is forked from a warm process, so that a game starts within a second.
+"""Pool of workers: each is forked from a warm process, on this machine or another one, so that a game starts soon.
 
 Workers outlive the server that has started them. The next server of the same folder connects to them.
 """
@@ -7,10 +7,13 @@ import asyncio
 import multiprocessing
 import os
 import signal
-from collections.abc import AsyncIterator, Callable
+from collections import Counter
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager, suppress
 from functools import partial
 from multiprocessing.context import ForkServerContext
+from operator import itemgetter
+from typing import Protocol
 
 import msgspec
 
@@ -23,14 +26,15 @@ from ui.web.pool.messages import (
     FromWorker,
     GatewayHello,
     PersonLeft,
+    ResultKept,
     ToBrowser,
     ToWorker,
     WatchWanted,
     WorkerResult,
     encode_line,
 )
-from ui.web.pool.running_games import RunningGames
-from ui.web.pool.worker import GameRequest, work
+from ui.web.pool.running_games import RunningGames, WorkerAddress
+from ui.web.pool.worker import GATEWAY_TIMEOUT, GameRequest, work
 
 START_TIMEOUT = 30.0
 """Seconds for a worker to open its socket."""
@@ -42,6 +46,15 @@ MOST_DEATHS = 5
 """Number of a game's workers that may die in a row at the same time of the game."""
 LOOK = 0.02
 """Seconds between two looks for a worker."""
+SILENCE = GATEWAY_TIMEOUT + 40.0
+"""Seconds for which a host does not answer after which its games count as ended.
+
+By then, its workers have ended without a gateway, and a shared file system has released their locks.
+"""
+DIAL_TIMEOUT = 5.0
+"""Seconds for another machine to accept a connection."""
+PROBE = 5.0
+"""Seconds between two looks at games on other machines that no one plays at the moment."""
 
 
 class DeathCount:
@@ -71,6 +84,29 @@ class WorkerDied(Exception):  # noqa: N818 - the game is resumed
     """The worker's process has ended without a result."""
 
 
+class GameNotStarted(WorkerDied):
+    """The other machine has not started the game."""
+
+
+class RemoteHosts(Protocol):
+    """Other machines with room for games."""
+
+    @property
+    def rooms(self) -> Mapping[str, int]:
+        """Greatest number of games on each host at present."""
+
+    async def start(self, host: str, key: str, request: GameRequest) -> WorkerAddress:
+        """Start a game on a host, unless it is running there.
+
+        Raises:
+            GameNotStarted: the game does not run there.
+            WorkerDied: the host does not answer, and may have started the game.
+        """
+
+    async def connect(self, address: WorkerAddress) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+        """Connect to a worker on a host."""
+
+
 class HostedGame:
     """Game in a worker, as the gateway sees it.
 
@@ -81,7 +117,7 @@ class HostedGame:
 
     Attributes:
         news: function that receives all other messages.
-        over: True after the worker has sent its result.
+        result: result of the game; None before its end.
     """
 
     def __init__(
@@ -94,7 +130,7 @@ class HostedGame:
         self._reader, self._writer = reader, writer
         self._shown, self.news = shown, news
         self._stream = 0
-        self.over = False
+        self.result: WorkerResult | None = None
 
     def join(self, *, again: bool = False) -> None:
         """Let the browser show the game from its present state on; `again` is as in `BrowserJoined`."""
@@ -117,6 +153,10 @@ class HostedGame:
         """End the game, because its person has left."""
         self._send(PersonLeft())
 
+    def confirm(self) -> None:
+        """Tell the worker that its result is kept."""
+        self._send(ResultKept())
+
     async def ended(self) -> WorkerResult:
         """Pass on all messages until the game has ended.
 
@@ -131,11 +171,11 @@ class HostedGame:
                         if stream == self._stream:
                             self._shown(text)
                     case WorkerResult():
-                        self.over = True
+                        self.result = message
                         return message
                     case _:
                         self.news(message)
-        except (ConnectionError, ValueError, msgspec.MsgspecError):
+        except (OSError, ValueError, msgspec.MsgspecError):
             pass
         raise WorkerDied
 
@@ -149,21 +189,40 @@ class WorkerPool:
 
     Args:
         games: the running games.
-        most: greatest number of games at the same time.
+        most: greatest number of games at the same time on this machine.
+        remote: other machines; None for none.
     """
 
-    def __init__(self, games: RunningGames, most: int) -> None:
+    def __init__(self, games: RunningGames, most: int, remote: RemoteHosts | None = None) -> None:
         self.games = games
         self._most = most
+        self._remote = remote
+        self._silent: dict[str, float] = {}
+        self._homeless = 0
         self._context: ForkServerContext = multiprocessing.get_context("forkserver")
         self._context.set_forkserver_preload(["ui.web.pool.warm"])
-        self._entered: set[str] = set()
+        self._entered: dict[str, str] = {}
         self._held: list[asyncio.Task[None]] = []
 
     @property
     def free(self) -> int:
         """Number of games that can still start."""
-        return self._most - len({*self.games, *self._entered})
+        return max(sum(max(free, 0) for free in self._free_places().values()) - self._homeless, 0)
+
+    @property
+    def playing(self) -> int:
+        """Number of games."""
+        return len(self._places())
+
+    def _places(self) -> dict[str, str]:
+        """Return the hosts of all games; this machine is the empty text."""
+        return {key: self.games.remote_host(key) for key in self.games} | self._entered
+
+    def _free_places(self) -> dict[str, int]:
+        """Return the number of games that can still start on each host."""
+        taken = Counter(self._places().values())
+        rooms = {"": self._most, **(self._remote.rooms if self._remote is not None else {})}
+        return {host: room - taken[host] for host, room in rooms.items()}
 
     async def warm_up(self) -> None:
         """Start the process from which workers are forked, and wait until it is ready."""
@@ -174,11 +233,31 @@ class WorkerPool:
 
         The connection ends when `enter` connects to the game, and after `HOLD_TIMEOUT`.
         """
-        for key in [*self.games]:
-            with suppress(WorkerDied, TimeoutError):
-                async with asyncio.timeout(1.0):
-                    reader, writer = await self._connected(key)
-                self._held.append(asyncio.create_task(_drain(reader, writer)))
+        await asyncio.gather(*map(self._hold, [*self.games]))
+
+    async def _hold(self, key: str) -> None:
+        with suppress(WorkerDied, TimeoutError):
+            async with asyncio.timeout(1.0):
+                reader, writer = await self._connected(key)
+            self._held.append(asyncio.create_task(self._drain(key, reader, writer)))
+
+    async def _drain(self, key: str, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """Read and drop the messages of a worker, but not its result."""
+        game = HostedGame(reader, writer, lambda _text: None, lambda _message: None)
+        with suppress(TimeoutError, WorkerDied):
+            async with asyncio.timeout(HOLD_TIMEOUT):
+                self._keep(key, game, await game.ended())
+        writer.close()
+
+    async def probe(self) -> None:
+        """Note again and again which games on other machines have ended while no one played them, until cancelled."""
+        while True:
+            for key in [*self.games]:
+                if self.games.remote_host(key) and key not in self._entered:
+                    with suppress(WorkerDied, OSError):
+                        _, writer = await self._dial(key)
+                        writer.close()
+            await asyncio.sleep(PROBE)
 
     @asynccontextmanager
     async def enter(
@@ -198,49 +277,126 @@ class WorkerPool:
             WorkerDied: the worker could not be started, or died before the connection.
         """
         writer: asyncio.StreamWriter | None = None
-        self._entered.add(key)
         try:
-            if not self.games.is_running(key):
-                await asyncio.to_thread(self._run, partial(work, request, self.games.folder, key))
+            if self.games.is_running(key):
+                self._entered[key] = self.games.remote_host(key)
+            else:
+                await self._start(key, request)
             reader, writer = await self._connected(key)
             game = HostedGame(reader, writer, shown, news)
             yield game
-            if game.over:
+            if game.result is not None:
+                self._keep(key, game, game.result)
                 await self._gone(key)
         finally:
-            self._entered.discard(key)
+            self._entered.pop(key, None)
             if writer is not None:
                 writer.close()
 
     async def end(self, key: str) -> None:
         """End a game whose person does not come back to it, if it is running."""
-        with suppress(WorkerDied):
+        with suppress(WorkerDied, TimeoutError):
             if self.games.is_running(key):
-                _, writer = await self._connected(key)
-                writer.write(encode_line(PersonLeft()))
+                reader, writer = await self._connected(key)
+                game = HostedGame(reader, writer, lambda _text: None, lambda _message: None)
+                game.leave()
+                if self.games.remote_host(key):
+                    async with asyncio.timeout(END_TIMEOUT):
+                        await game.ended()
+                    game.confirm()
                 await self._gone(key)
                 writer.close()
         self.games.forget(key)
 
+    async def _start(self, key: str, request: GameRequest) -> None:
+        """Start a game where most room is."""
+        self._entered[key] = host = await self._roomiest()
+        if self._remote is None or not host:
+            await asyncio.to_thread(self._run, partial(work, request, self.games.folder, key))
+            return
+        # If this server is killed meanwhile, or the host does not answer, the game may have started there.
+        shown = f"[{host}]" if ":" in host else host
+        self.games.place_remotely(key, WorkerAddress(f"tcp://{shown}:0", "", 0))
+        try:
+            self.games.place_remotely(key, await self._remote.start(host, key, request))
+        except GameNotStarted:
+            self.games.end_remotely(key)
+            raise
+
+    async def _roomiest(self) -> str:
+        """Return the host with most room; a game that must be resumed may have to wait until there is room again."""
+        if self._remote is None:
+            return ""
+        self._homeless += 1
+        try:
+            while True:
+                host, free = max(self._free_places().items(), key=itemgetter(1))
+                if free > 0:
+                    return host
+                await asyncio.sleep(LOOK)
+        finally:
+            self._homeless -= 1
+
+    def _keep(self, key: str, game: HostedGame, result: WorkerResult) -> None:
+        """Keep the result of a worker on another machine; a worker on this machine has kept it itself."""
+        if self.games.remote_host(key):
+            if not result.problem:
+                self.games.keep(key, result)
+            game.confirm()
+
     async def _connected(self, key: str) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
         loop = asyncio.get_running_loop()
         late = loop.time() + START_TIMEOUT
-        while self.games.is_running(key) and loop.time() < late:
+        while self.games.is_running(key) and (loop.time() < late or self.games.remote_host(key)):
             address = self.games.address(key)
             if address is not None:
-                with suppress(FileNotFoundError, ConnectionRefusedError):
-                    reader, writer = await asyncio.open_unix_connection(address.socket, limit=LONGEST_LINE)
+                with suppress(OSError):
+                    reader, writer = await self._dial(key)
                     writer.write(encode_line(GatewayHello(address.token)))
                     return reader, writer
             await asyncio.sleep(LOOK)
         raise WorkerDied
+
+    async def _dial(self, key: str) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+        """Connect to the worker of a game.
+
+        Raises:
+            OSError: the worker does not answer now.
+            WorkerDied: the worker on another machine has ended.
+        """
+        address = self.games.address(key)
+        if address is None:
+            raise WorkerDied
+        if not address.host:
+            return await asyncio.open_unix_connection(address.socket, limit=LONGEST_LINE)
+        now = asyncio.get_running_loop().time()
+        try:
+            if self._remote is None or not address.token:
+                raise TimeoutError
+            async with asyncio.timeout(DIAL_TIMEOUT):
+                connected = await self._remote.connect(address)
+        except OSError as error:
+            # A machine that refuses the connection lives, so the process is gone.
+            if isinstance(error, ConnectionRefusedError) or now - self._silent.setdefault(key, now) > SILENCE:
+                self._silent.pop(key, None)
+                self.games.end_remotely(key)
+                raise WorkerDied from None
+            raise
+        self._silent.pop(key, None)
+        return connected
 
     async def _gone(self, key: str) -> None:
         """Wait until the process of an ended game is gone; end it if it hangs."""
         loop = asyncio.get_running_loop()
         late = loop.time() + END_TIMEOUT
         while self.games.is_running(key):
-            if loop.time() > late and (address := self.games.address(key)) is not None:
+            if self.games.remote_host(key):
+                with suppress(WorkerDied, OSError):
+                    _, writer = await self._dial(key)
+                    writer.close()
+                if loop.time() > late:
+                    return
+            elif loop.time() > late and (address := self.games.address(key)) is not None:
                 with suppress(ProcessLookupError):
                     os.kill(address.process, signal.SIGKILL)
             await asyncio.sleep(LOOK)
@@ -249,15 +405,6 @@ class WorkerPool:
         process = self._context.Process(target=program)
         process.start()
         process.join()
-
-
-async def _drain(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-    """Read and drop the messages of a worker."""
-    with suppress(TimeoutError, ConnectionError):
-        async with asyncio.timeout(HOLD_TIMEOUT):
-            while await reader.read(LONGEST_LINE):
-                pass
-    writer.close()
 
 
 def _nothing() -> None:

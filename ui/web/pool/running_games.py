@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import IO
+from urllib.parse import urlsplit
 
 import msgspec
 
@@ -16,7 +17,7 @@ from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
 from ui.web.pool.messages import WorkerResult
 
-_GAME, _RESULT, _SOCKET = ".game", ".result", ".sock"
+_GAME, _RESULT, _SOCKET, _REMOTE = ".game", ".result", ".sock", ".remote"
 _RESULTS = msgspec.json.Decoder(WorkerResult)
 _OTHERS = 0o077
 _DIGEST = 16
@@ -24,18 +25,30 @@ _TRIES, _LOOK = 20, 0.02
 
 
 class WorkerAddress(msgspec.Struct, frozen=True):
-    """Address of a worker: path of its socket, its secret, and the number of its process."""
+    """Address of a worker.
+
+    Attributes:
+        socket: path of its socket; on another machine, its address, such as `tls://10.0.0.2:41234`.
+        token: its secret.
+        process: number of its process on its machine.
+    """
 
     socket: str
     token: str
     process: int
+
+    @property
+    def host(self) -> str:
+        """Host of a worker on another machine; empty for a worker on this machine."""
+        return urlsplit(self.socket).hostname or "" if "://" in self.socket else ""
 
 
 class RunningGames:
     """Folder with the address of each running worker, and with results that no server has used yet.
 
     A worker holds a lock on the file with its address. The system releases the lock when the worker ends for any
-    reason. So a file without a lock belongs to no worker.
+    reason. So a file without a lock belongs to no worker. A worker on another machine has a file without a lock, which
+    the server deletes when the worker has ended.
 
     Args:
         folder: the folder. Only this account may have access to it.
@@ -87,21 +100,38 @@ class RunningGames:
 
     def __iter__(self) -> Iterator[str]:
         """Yield the keys of all running games."""
-        for path in sorted(self.folder.glob(f"*{_GAME}")):
-            if self.is_running(path.stem):
-                yield path.stem
+        for key in sorted({path.stem for ending in (_GAME, _REMOTE) for path in self.folder.glob(f"*{ending}")}):
+            if self.is_running(key):
+                yield key
 
     def is_running(self, key: str) -> bool:
-        """Return True if a worker plays the game with this key."""
+        """Return True if a worker plays the game with this key. A worker on another machine may have died meanwhile."""
+        if self._remote(key).exists():
+            return True
         with suppress(FileNotFoundError), self._record(key).open("rb") as file:
             return not _locked(file, fcntl.LOCK_SH)
         return False
 
     def address(self, key: str) -> WorkerAddress | None:
         """Return the address of the game's worker; None if it has written none."""
-        with suppress(FileNotFoundError, msgspec.MsgspecError):
-            return msgspec.json.decode(self._record(key).read_bytes(), type=WorkerAddress)
+        for path in (self._remote(key), self._record(key)):
+            with suppress(FileNotFoundError, msgspec.MsgspecError):
+                return msgspec.json.decode(path.read_bytes(), type=WorkerAddress)
         return None
+
+    def remote_host(self, key: str) -> str:
+        """Return the other machine on which the game runs; empty if it runs on this machine, or not at all."""
+        with suppress(FileNotFoundError, msgspec.MsgspecError):
+            return msgspec.json.decode(self._remote(key).read_bytes(), type=WorkerAddress).host
+        return ""
+
+    def place_remotely(self, key: str, address: WorkerAddress) -> None:
+        """Note that a worker on another machine plays the game."""
+        write_whole(self._remote(key), msgspec.json.encode(address), mode=0o600)
+
+    def end_remotely(self, key: str) -> None:
+        """Note that the worker on another machine has ended."""
+        self._remote(key).unlink(missing_ok=True)
 
     def claim(self, key: str) -> IO[bytes] | None:
         """Return the locked file for the address of a game's worker; None if the game already has a worker."""
@@ -144,6 +174,9 @@ class RunningGames:
 
     def _record(self, key: str) -> Path:
         return self.folder / f"{key}{_GAME}"
+
+    def _remote(self, key: str) -> Path:
+        return self.folder / f"{key}{_REMOTE}"
 
     def _result(self, key: str) -> Path:
         return self.folder / f"{key}{_RESULT}"

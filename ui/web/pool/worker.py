@@ -7,11 +7,12 @@ import os
 import secrets
 import selectors
 import signal
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from typing import IO, Protocol
+from typing import IO, Protocol, TypeAlias
 
 import msgspec
 from msgspec import structs
@@ -40,6 +41,7 @@ from ui.web.pool.messages import (
     GatewayHello,
     PersonActed,
     PersonLeft,
+    ResultKept,
     SeatDeclined,
     SeatSeenOver,
     SeatWentOn,
@@ -58,6 +60,11 @@ GATEWAY_TIMEOUT = 60.0
 """Seconds without a gateway after which a worker ends its game."""
 FAREWELL_TIMEOUT = 5.0
 """Seconds for a gateway to read the last messages."""
+
+ServeGateway: TypeAlias = Callable[[asyncio.StreamReader, asyncio.StreamWriter], Awaitable[None]]
+"""Function that serves the connection of a gateway."""
+OpenSocket: TypeAlias = Callable[[ServeGateway], Awaitable[tuple[asyncio.Server, str]]]
+"""Function that opens the socket of a worker, and returns its server and its address."""
 
 
 class SeatOfGame(Protocol):
@@ -114,22 +121,30 @@ class Worker:
 
     Args:
         request: game to play.
-        address: address of the worker.
-        record: file in which the gateway finds the address.
-        keep: function that keeps the result, also if no gateway is connected.
+        token: secret of the worker.
+        open_socket: function that opens the worker's socket.
+        record: file in which the address of the worker is found.
+        keep: function that keeps the result, also if no gateway is connected. If None, a gateway must keep it.
 
     Attributes:
         checkpoints: see `SeatOfGame`.
     """
 
     def __init__(
-        self, request: GameRequest, address: WorkerAddress, record: IO[bytes], keep: Callable[[WorkerResult], None]
+        self,
+        request: GameRequest,
+        token: str,
+        open_socket: OpenSocket,
+        record: IO[bytes],
+        keep: Callable[[WorkerResult], None] | None,
     ) -> None:
         self.checkpoints = SleepingCopies(record, self._wake_up)
         self._record = record
         self._request = request
-        self._address = address
+        self._address = WorkerAddress("", token, os.getpid())
+        self._open_socket = open_socket
         self._keep = keep
+        self._result_kept = asyncio.Event()
         self._gateway: asyncio.StreamWriter | None = None
         self._connected = asyncio.Event()
         self._seat: GameSeat | None = None
@@ -145,7 +160,8 @@ class Worker:
 
     async def run(self) -> None:
         """Play the game, and report its result to the gateway."""
-        server = await asyncio.start_unix_server(self._serve, self._address.socket, limit=LONGEST_LINE)
+        server, socket = await self._open_socket(self._serve)
+        self._address = structs.replace(self._address, socket=socket)
         self._write_address()
         async with server:
             watching = asyncio.create_task(self._watch_gateway())
@@ -154,9 +170,13 @@ class Worker:
             await self._leave_seat()
             if self._abandoned:
                 return  # The game is resumed from its log of inputs when its person comes back.
-            if not ended.problem:
+            if self._keep is not None and not ended.problem:
                 self._keep(ended)
             self.note(ended)
+            if self._keep is None:
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(GATEWAY_TIMEOUT):
+                        await self._result_kept.wait()
             if self._gateway is not None:
                 with suppress(TimeoutError, ConnectionError):
                     async with asyncio.timeout(FAREWELL_TIMEOUT):
@@ -269,7 +289,10 @@ class Worker:
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Serve a gateway; a new gateway replaces the one before it, which has died."""
         try:
-            hello = TO_WORKER.decode(await reader.readline())
+            line = await reader.readline()
+            if not line:
+                return  # A gateway has looked if this worker lives.
+            hello = TO_WORKER.decode(line)
             if not isinstance(hello, GatewayHello) or not hmac.compare_digest(hello.token, self._address.token):
                 return
             before, self._gateway = self._gateway, writer
@@ -305,6 +328,8 @@ class Worker:
                 self._seat.receive(said)
             case PersonLeft():
                 self._left = True
+            case ResultKept():
+                self._result_kept.set()
             case WatchWanted() if self._start_watching is not None and self._watching is None:
                 self._watching = asyncio.create_task(self._watch(self._start_watching))
             case _:
@@ -329,10 +354,17 @@ class Worker:
             self._gateway.write(encode_line(message))
 
 
-def work(request: GameRequest, folder: Path, key: str) -> None:
+def work(request: GameRequest, folder: Path, key: str, open_socket: OpenSocket | None = None) -> None:
     """Play a game in a process of its own; this process ends at once.
 
     If the game already has a worker, do nothing.
+
+    Args:
+        request: the game.
+        folder: folder of running games on this machine.
+        key: key of the game.
+        open_socket: function that opens a socket for a gateway on another machine, which keeps the result. If None, the
+            gateway is on this machine.
     """
     games = RunningGames(folder)
     record = games.claim(key)
@@ -343,12 +375,17 @@ def work(request: GameRequest, folder: Path, key: str) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.setsid()
     token = secrets.token_hex(16)
-    address = WorkerAddress(str(games.socket(token)), token, os.getpid())
-    worker = Worker(request, address, record, lambda result: games.keep(key, result))
+    path = games.socket(token)
+
+    async def open_here(serve: ServeGateway) -> tuple[asyncio.Server, str]:
+        return await asyncio.start_unix_server(serve, path, limit=LONGEST_LINE), str(path)
+
+    keep = partial(games.keep, key) if open_socket is None else None
+    worker = Worker(request, token, open_socket or open_here, record, keep)
     # Copies of this process would share a selector that the system keeps, such as epoll.
     with record, asyncio.Runner(loop_factory=lambda: asyncio.SelectorEventLoop(selectors.PollSelector())) as runner:
         try:
             runner.run(worker.run())
         finally:
             worker.checkpoints.drop()
-    Path(address.socket).unlink(missing_ok=True)
+    path.unlink(missing_ok=True)

@@ -20,7 +20,7 @@ async def served(folder: Path) -> AsyncIterator[int]:
     ready = asyncio.Event()
     options = ServerOptions(listening, 2, None, ready.set)
     bags = iter(range(100))
-    serving = asyncio.create_task(serve_games(STUDY, None, lambda: folder / f"{next(bags)}.bag", options))
+    serving = asyncio.create_task(serve_games(STUDY, None, lambda: folder / f"{next(bags)}.bag", print, options))
     await asyncio.wait([serving, asyncio.create_task(ready.wait())], return_when=asyncio.FIRST_COMPLETED)
     try:
         yield listening.getsockname()[1]
