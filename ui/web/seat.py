@@ -11,7 +11,7 @@ from typing import Protocol
 import msgspec
 
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.roles.shared.notices import FloorPlan
+from thbridge.roles.shared.notices import FloorPlan, PoseTelemetry
 from thbridge.roles.shared.view import ParticipantRequest
 from thbridge.sockets.reconnecting import ConnectionLost
 from ui.model.playing.answer_guard import AnswerGuard
@@ -28,7 +28,7 @@ from ui.web.page.patches import Json, patch, tree
 PAGE_PERIOD = 1.0 / 15.0
 """Seconds between two pages, unless the person acts: robots glide between two pages."""
 
-POLL_PERIOD = 0.01
+POLL_PERIOD = 0.02
 """Seconds between two polls of the game."""
 
 MOST_UNSEEN = 8
@@ -179,8 +179,12 @@ class GameSeat:
         """Pass the events of the game to the model, and send a page if one is due and differs from the last."""
         now = self._clock()
         events, self._events[:] = list(self._events), []
+        # Poses that a page would never show need no processing.
+        latest = next((each for each in reversed(events) if isinstance(each.event, PoseTelemetry)), None)
         for received in events:
             match received.event:
+                case PoseTelemetry() if received is not latest:
+                    pass
                 case ServerReached():
                     self._model.connected(received.time)
                 case ConnectionLost():

@@ -81,6 +81,7 @@ class StudyGames:
         design: design of the study.
         checkpoints: copies of this process, which continue a game if the process is killed; None for none.
         watch: address for researchers' windows; None if no window can connect.
+        ticks_at_once: see `PlayOptions`.
     """
 
     def __init__(
@@ -89,7 +90,9 @@ class StudyGames:
         design: ExperimentDesign,
         checkpoints: Checkpoints | None = None,
         watch: WatchAddress | None = None,
+        ticks_at_once: int = 1,
     ) -> None:
+        self._ticks_at_once = ticks_at_once
         self._checkpoints = checkpoints
         self._watch = watch
         self._folder = folder
@@ -172,6 +175,7 @@ class StudyGames:
             watch=self._watch,
             inputs=log,
             checkpoints=self._checkpoints,
+            ticks_at_once=self._ticks_at_once,
         )
 
     async def _play(

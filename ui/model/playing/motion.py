@@ -187,9 +187,13 @@ class MotionPlayback:
             self._speeds = np.where(odd[:, None] > 0.0, before, speed)
             moved = moved - before * passed
         self._speeds[carried] = 0.0
-        shift = odd[:, None] * moved
+        if odd.any():
+            shift = odd[:, None] * moved
+            for kept in self._samples:
+                kept.poses += shift
+        if not carried.any():
+            return carried
         for kept in self._samples:
-            kept.poses += shift
             kept.poses[carried] = sample.poses[carried]
         for robot in np.flatnonzero(carried).tolist():
             self._trails[robot].cut()

@@ -17,7 +17,7 @@ from ui.command_line.settings import setting_of
 from ui.hosting.games import practice_setting
 from ui.web.page.patches import Json
 from ui.web.pool.messages import GamePassed
-from ui.web.pool.worker import SeatOfGame
+from ui.web.pool.worker import TICKS_AT_ONCE, SeatOfGame
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +65,7 @@ class SingleGame:
             left=seat.has_left,
             inputs=inputs,
             checkpoints=seat.checkpoints,
+            ticks_at_once=TICKS_AT_ONCE,
         )
 
         def progress(moment: TickRecord) -> None:

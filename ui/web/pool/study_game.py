@@ -14,7 +14,7 @@ from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.kiosk.games import StudyGames
 from ui.web.page.patches import Json, tree
 from ui.web.pool.messages import GamePassed, RecordingBrokenOff, RecordingCutOff, StillToDo, TimeIsUp
-from ui.web.pool.worker import SeatOfGame
+from ui.web.pool.worker import TICKS_AT_ONCE, SeatOfGame
 
 PASSED_PERIOD = 0.5
 """Simulated seconds between two reports of the times of a game."""
@@ -50,7 +50,8 @@ class StudyGame:
     async def play(self, seat: SeatOfGame) -> Json:
         """Play the game; return its entry in the log, or the counts of a practice game."""
         folder = ExperimentFolder(self.folder)
-        games, watcher = StudyGames(folder, folder.read(), seat.checkpoints, seat.watch), _SeatWatcher(seat)
+        games = StudyGames(folder, folder.read(), seat.checkpoints, seat.watch, TICKS_AT_ONCE)
+        watcher = _SeatWatcher(seat)
         if self.practice:
             count = await games.practise(self.run, self.step, watcher)
             missing: dict[str, Json] = {str(term): number for term, number in count.missing.items()}

@@ -58,6 +58,8 @@ _log = logging.getLogger(__name__)
 
 GATEWAY_TIMEOUT = 60.0
 """Seconds without a gateway after which a worker ends its game."""
+TICKS_AT_ONCE = 4
+"""Number of ticks of a game that run one after the other: 12.5 times a second, so that each time gives one page."""
 FAREWELL_TIMEOUT = 5.0
 """Seconds for a gateway to read the last messages."""
 
