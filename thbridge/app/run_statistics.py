@@ -64,11 +64,12 @@ class RunStatistics:
         truth = snapshot.truth
         while len(self._robots) < len(snapshot.robots):
             self._robots.append(_Sums())
-        for index, (sums, robot) in enumerate(zip(self._robots, snapshot.robots, strict=True)):
+        speeds = truth.twists[:, 0].tolist()
+        for index, (sums, robot, speed) in enumerate(zip(self._robots, snapshot.robots, speeds, strict=True)):
             if index in snapshot.dead:
                 continue
             # The distance follows from the speed, because a change of position can also be a move by hand.
-            sums.distance += abs(float(truth.twists[index, 0])) * TICK
+            sums.distance += abs(speed) * TICK
             sums.ticks_waiting += robot.navigation.waits_for is not None
             lost = robot.estimate.lost
             sums.times_lost += lost and not sums.is_lost

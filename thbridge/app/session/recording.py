@@ -41,6 +41,9 @@ from thbridge.text_protocol.wire.router import Forwarded
 JUMP = 0.2
 """Distance in meters that a robot cannot drive in one tick. A robot that moves farther was kidnapped (by hand)."""
 
+_SHORTEST_PART = 0.7 * JUMP
+"""Of a motion that is longer than `JUMP`, the part along x or along y is longer than this."""
+
 STATE_PERIOD = TICKS_PER_SECOND
 """An unchanged state of a vehicle is recorded again after this number of ticks."""
 
@@ -149,8 +152,10 @@ class BagRecorder:
                 yield _incident(kind, robot)
         places = snapshot.truth.poses[:, :2]
         if self._places is not None:
-            for robot in np.flatnonzero(elementary_arrays.hypot(*(places - self._places).T) > JUMP).tolist():
-                yield _incident("carried", robot)
+            moved = places - self._places
+            if np.abs(moved).max(initial=0.0) > _SHORTEST_PART:
+                for robot in np.flatnonzero(elementary_arrays.hypot(*moved.T) > JUMP).tolist():
+                    yield _incident("carried", robot)
         self._places = places.copy()
 
 

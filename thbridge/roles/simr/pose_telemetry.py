@@ -129,13 +129,13 @@ class TelemetryPublisher:
             _motion(output, condition, progress.get(robot, 0.0))
             for robot, (output, condition) in enumerate(zip(robots, conditions, strict=True))
         )
-        ellipses = tuple(ellipse_of(output.estimate.covariance) for output in robots)
+        ellipses = (ellipse_of(output.estimate.covariance) for output in robots)
         knows_truth = self._options.truth and snapshot.world is not None
         return PoseTelemetry(
             tick=snapshot.tick,
             poses=tuple(_triple(output.estimate.base_in_map.array()) for output in robots),
             motions=tuple(motions),
-            ellipses=ellipses if self._options.uncertainty else None,
+            ellipses=tuple(ellipses) if self._options.uncertainty else None,
             truth=tuple(_triple(pose) for pose in snapshot.truth.poses) if knows_truth else None,
         )
 

@@ -405,6 +405,8 @@ class BrowserPageMaker:
     def __init__(self, picture_id: Callable[[bytes | None], str]) -> None:
         self._picture_id = picture_id
         self._made: dict[str, tuple[object, object]] = {}
+        self._page: BrowserPage | None = None
+        self._source: tuple[object, object] = (None, None)
 
     def page(
         self,
@@ -423,6 +425,15 @@ class BrowserPageMaker:
             followed: index of the robot that the map follows; None without one.
             advise: in a practice game, a sentence about what to do next.
         """
+        marks = tuple(_robot(mark) for mark in robots)
+        screened, others = self._source
+        if self._page is None or screen is not screened or (texts, followed, advise) != others:
+            self._source = screen, (texts, followed, advise)
+            self._page = self._made_of(texts, screen, followed, advise)
+        return replace(self._page, robots=marks)
+
+    def _made_of(self, texts: Texts, screen: Screen, followed: int | None, advise: str) -> BrowserPage:
+        """Return the page without robots on its map."""
         button, kept = _ButtonMaker(texts), self._kept
         waiting, ending = screen.waiting, screen.ending
         return BrowserPage(
@@ -467,7 +478,7 @@ class BrowserPageMaker:
             close_help=button.one(Action(ShowHelp(), texts.text("popups.close"), HELP.keys[0])),
             enlarged=self._picture_id(screen.enlarged),
             followed=followed,
-            robots=tuple(_robot(mark) for mark in robots),
+            robots=(),
             keys=tuple(key for key in KEYS if act_for(key, screen) is not None),
             announcement=screen.announcement,
             announcement_number=screen.announcement_number,
