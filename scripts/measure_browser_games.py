@@ -2,9 +2,9 @@
 
 Run this script from the project's folder: `.venv/bin/python scripts/measure_browser_games.py --games 42 --minutes 20`.
 It starts `thbridge serve` with a study of one game for each person. Programs in place of people play: every 3 to 8
-seconds, each one does an act that its page offers. The script prints the time from an act to the next page, errors,
-stalls, memory and processor time. With `--find`, it looks for the greatest number of games within the bound, in trials
-of `--minutes` each. The exit code is 1 if there is an error or a stall, or if the time is above the bound.
+seconds, each one does an act that its page offers. The script prints the time from an act to the page with its effect,
+errors, stalls, memory and processor time. With `--find`, it looks for the greatest number of games within the bound, in
+trials of `--minutes` each. The exit code is 1 if there is an error or a stall, or if the time is above the bound.
 """
 
 import argparse
@@ -41,7 +41,7 @@ steps:
   - {{step: trial, name: game, max_seconds: {seconds}}}
 """
 BOUND = 0.1
-"""Greatest 95th percentile of the time from an act to the next page, seconds."""
+"""Greatest 95th percentile of the time from an act to the page with its effect, seconds."""
 STALL = 2.0
 """An act without a page within this many seconds counts as a stall."""
 THINKING = (3.0, 8.0)
@@ -61,7 +61,7 @@ class Measured:
     """Measurements of all people.
 
     Attributes:
-        times: seconds from each act to the next page.
+        times: seconds from each act to the page with its effect.
         stalls: number of acts without a page within `STALL`.
         errors: errors, and the number of each.
         acts: number of acts.
@@ -122,16 +122,16 @@ class Person:
         self._measured.games += 1
 
     async def _act(self, browser: BrowserClient) -> None:
-        """Do one act, and measure the time to the next page."""
+        """Do one act, and measure the time to the page with its effect."""
         offered = [each for each in offers(front(browser.tree)) if each["act"] not in LEAVING]
         if not offered:
             return
-        number, began = browser.number, time.monotonic()
+        replies, began = browser.replies, time.monotonic()
         browser.texts.clear()
         await browser.act(self._chosen.choice(offered))
         self._measured.acts += 1
         try:
-            while browser.number == number:
+            while browser.replies == replies:
                 if time.monotonic() - began > STALL:
                     raise TimeoutError
                 await browser.received()
@@ -238,7 +238,7 @@ class Trial:
 
     @property
     def p95(self) -> float:
-        """95th percentile of the time from an act to the next page, seconds."""
+        """95th percentile of the time from an act to the page with its effect, seconds."""
         times = self.measured.times
         return statistics.quantiles(times, n=20, method="inclusive")[-1] if len(times) > 1 else float("inf")
 

@@ -23,7 +23,7 @@ from ui.sources.game import ReceivedEvent, ServerReached
 from ui.web.page.floor import floor_shapes
 from ui.web.page.game_page import BrowserPage, BrowserPageMaker
 from ui.web.page.messages import ActDone, FromGamePage, KeyPressed, PagePainted, decode_act
-from ui.web.page.patches import Json, patch, tree
+from ui.web.page.patches import UNCHANGED, Json, patch, tree
 
 PAGE_PERIOD = 1.0 / 15.0
 """Seconds between two pages, unless the person acts: robots glide between two pages."""
@@ -121,7 +121,7 @@ class GameSeat:
         self._ids: dict[int, tuple[bytes, str]] = {}
         self._stream: PageStream | None = None
         self._number = 0
-        self._acting = False
+        self._acting = self._replying = False
         self._due = 0.0
         self._stopped = False
         self.went_on = self.seen_over = self.declined = False
@@ -169,11 +169,19 @@ class GameSeat:
                 act = decode_act(given)
                 if act is not None:
                     self._do(stream, act, number, at / 1000.0, on_map=on_map)
+                self._reply()
             case KeyPressed(number, at, key):
                 sent = self._sent(stream, number)
                 act = None if sent is None or sent.composed is None else act_for(key, sent.composed.screen)
                 if act is not None:
                     self._do(stream, act, number, at / 1000.0)
+                self._reply()
+
+    def _reply(self) -> None:
+        """Send the page after an act or a key at once, also if the page is unchanged."""
+        self._replying = True
+        self._due = self._clock()
+        self.refresh()
 
     def refresh(self) -> None:
         """Pass the events of the game to the model, and send a page if one is due and differs from the last."""
@@ -214,13 +222,16 @@ class GameSeat:
                 data = base64.b64encode(self._pictures[picture]).decode("ascii")
                 stream.send({"t": "picture", "id": picture, "data": data})
         difference = {"v": tree(page)} if stream.page is None else patch(stream.page, page)
-        if difference is None:
+        if difference is None and not self._replying:
             return
         self._number += 1
         stream.page = page
         stream.unseen[self._number] = _SentPage(self._model.composed, self._acting, now)
         self._acting = False
-        stream.send({"t": "page", "n": self._number, "p": difference})
+        message: dict[str, Json] = {"t": "page", "n": self._number, "p": difference or UNCHANGED}
+        # The first page after an act or a key is marked, so that the time from input to view can be measured.
+        stream.send({**message, "reply": True} if self._replying else message)
+        self._replying = False
 
     def _painted(self, stream: PageStream, number: int, at: float) -> None:
         """Note that the browser shows a page, and the pages before it no longer."""
@@ -252,11 +263,8 @@ class GameSeat:
             case ShowSettings():
                 pass  # The browser has its own settings.
             case _:
-                now = self._clock()
-                self._model.do(act, now, sent.composed)
+                self._model.do(act, self._clock(), sent.composed)
                 self._acting = True
-                self._due = now
-                self.refresh()
 
     def _picture_id(self, picture: bytes | None) -> str:
         """Return the id of a picture, which is its digest."""

@@ -30,6 +30,7 @@ class BrowserClient:
         tree: tree of the game's page; empty before.
         texts: all text that it has received, to be searched.
         host: host of the gateway.
+        replies: number of replies of the game to acts and keys.
         dial: function that returns a socket connected to the gateway, for a browser on another machine.
         tab: name of the tab.
         visible: True if the page is visible.
@@ -42,6 +43,7 @@ class BrowserClient:
     tree: dict[str, Any] = field(default_factory=dict)
     texts: list[str] = field(default_factory=list)
     number: int = 0
+    replies: int = 0
     tab: str = field(default_factory=lambda: secrets.token_hex(8))
     visible: bool = True
     answers: bool = True
@@ -225,6 +227,7 @@ class BrowserClient:
                 case "page":
                     self.tree = applied(self.tree, message["p"])
                     self.number = message["n"]
+                    self.replies += message.get("reply", False)
                     self._painted.set()
                     await self.send({"t": "painted", "n": self.number, "at": self.now})
                 case "floor" | "picture":

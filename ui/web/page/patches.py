@@ -20,6 +20,10 @@ from ui.model.playing.screen import Act
 Json: TypeAlias = "bool | int | float | str | list[Json] | dict[str, Json] | None"
 
 
+UNCHANGED: dict[str, Json] = {"f": {}}
+"""Difference between two equal trees that are objects."""
+
+
 def tree(value: object) -> Json:
     """Return a value as JSON: a dataclass as an object with its fields, an act also with the name of its class.
 
