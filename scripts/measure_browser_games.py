@@ -5,6 +5,9 @@ It starts `thbridge serve` with a study of one game for each person. Programs in
 seconds, each one does an act that its page offers. The script prints the time from an act to the page with its effect,
 errors, stalls, memory and processor time. With `--find`, it looks for the greatest number of games within the bound, in
 trials of `--minutes` each. The exit code is 1 if there is an error or a stall, or if the time is above the bound.
+
+With `--browsers`, some of these people use Debian's Chromium, on the same machine. For them, the time ends after the
+page is painted.
 """
 
 import argparse
@@ -17,6 +20,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -28,6 +32,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 from tests.support.programs.browser_client import BrowserClient  # noqa: E402 - it is next to the tests
+from tests.support.programs.chromium import Chromium  # noqa: E402
 from ui.web.pool.running_games import RunningGames  # noqa: E402
 
 PROGRAM = [sys.executable, "-c", "from ui.cli import main; main()"]
@@ -76,10 +81,83 @@ class Measured:
     playing: int = 0
     games: int = 0
 
+    def add(self, seconds: float) -> None:
+        """Count an act, and the time to the page with its effect."""
+        self.acts += 1
+        if seconds < STALL:
+            self.times.append(seconds)
+        else:
+            self.stalls += 1
+
     def blame(self, error: BaseException) -> None:
         """Count an error."""
         name = f"{type(error).__name__}: {error}"[:80]
         self.errors[name] = self.errors.get(name, 0) + 1
+
+
+WATCH_REPLIES = """
+window.replies = 0;
+const Plain = window.WebSocket;
+window.WebSocket = class extends Plain {
+  constructor(...given) {
+    super(...given);
+    this.addEventListener("message", ({ data }) => {
+      if (String(data).includes('"reply":true')) requestAnimationFrame(() => setTimeout(() => (window.replies += 1)));
+    });
+  }
+};
+"""
+"""JavaScript that counts the painted pages with the effect of an act."""
+ACT = """
+(async () => {
+  const shown = (selector) => [...document.querySelectorAll(selector)].filter(
+    (each) => each.checkVisibility() && !each.disabled && each.getAttribute("aria-disabled") !== "true");
+  const offered = [
+    "dialog.question[open] footer button", ".names [role=option][aria-selected=false]", ".pops footer button",
+    ".waiting button", ".tile, .card .face[aria-pressed=false]"].map(shown).find((each) => each.length);
+  if (!offered) return null;
+  const before = window.replies, began = performance.now();
+  offered[Math.floor(CHOICE * offered.length)].click();
+  while (window.replies === before && performance.now() - began < STALL)
+    await new Promise((done) => setTimeout(done, 2));
+  return (performance.now() - began) / 1000;
+})()
+"""
+"""JavaScript that presses a button, and returns the seconds until its effect is painted; null without a button."""
+
+
+class ChromiumPerson:
+    """Person in Chromium, in a thread of this program, who plays one game; arguments as for `Person`."""
+
+    def __init__(self, port: int, chosen: random.Random, measured: "Measured") -> None:
+        self._port, self._chosen, self._measured = port, chosen, measured
+        self._left = threading.Event()
+
+    async def play(self) -> None:
+        """Play until cancelled."""
+        playing = asyncio.create_task(asyncio.to_thread(self._play))
+        try:
+            await asyncio.shield(playing)
+        finally:
+            self._left.set()
+            await playing
+
+    def _play(self) -> None:
+        try:
+            with Chromium() as browser:
+                browser.open(f"http://127.0.0.1:{self._port}/", WATCH_REPLIES)
+                main = "document.querySelector('.reading button.main:not([disabled])')"
+                while not browser.evaluate("document.querySelector('.tile') !== null"):
+                    browser.evaluate(f"{main}?.click()")
+                    self._left.wait(0.5)
+                self._measured.playing += 1
+                while not self._left.wait(self._chosen.uniform(*THINKING)):
+                    act = ACT.replace("CHOICE", f"{self._chosen.random()}").replace("STALL", f"{1000 * STALL}")
+                    took = browser.evaluate(act)
+                    if took is not None:
+                        self._measured.add(took)
+        except (OSError, RuntimeError, TimeoutError) as error:
+            self._measured.blame(error)
 
 
 class Person:
@@ -129,16 +207,9 @@ class Person:
         replies, began = browser.replies, time.monotonic()
         browser.texts.clear()
         await browser.act(self._chosen.choice(offered))
-        self._measured.acts += 1
-        try:
-            while browser.replies == replies:
-                if time.monotonic() - began > STALL:
-                    raise TimeoutError
-                await browser.received()
-        except TimeoutError:
-            self._measured.stalls += 1
-            return
-        self._measured.times.append(time.monotonic() - began)
+        while browser.replies == replies and time.monotonic() - began < STALL:
+            await browser.received()
+        self._measured.add(time.monotonic() - began)
 
 
 def front(tree: dict[str, Any]) -> object:
@@ -269,10 +340,12 @@ class Trial:
             yield f"games on {cores} cores at 80 % of their time", f"{int(0.8 * cores / share) if share else 0}"
 
 
-async def trial(study: Path, port: int, games: int, seconds: float, seed: int) -> Trial:
+async def trial(study: Path, port: int, games: int, browsers: int, seconds: float, seed: int) -> Trial:
     """Let people play for some time."""
     measured = Measured()
-    players = [asyncio.create_task(Person(port, random.Random(seed + each), measured).play()) for each in range(games)]
+    kinds = [ChromiumPerson if each < browsers else Person for each in range(games)]
+    visitors = (kind(port, random.Random(seed + each), measured) for each, kind in enumerate(kinds))
+    players = [asyncio.create_task(each.play()) for each in visitors]
     began = time.monotonic()
     while measured.playing < games and time.monotonic() - began < START_SECONDS:
         await asyncio.sleep(0.1)
@@ -325,7 +398,7 @@ def try_games(options: argparse.Namespace, games: int) -> Trial:
         text = STUDY.format(map=options.map, robots=options.robots, seconds=seconds)
         (study / "experiment.yaml").write_text(text)
         with server(study, games) as port:
-            result = asyncio.run(trial(study, port, games, 60 * options.minutes, options.seed))
+            result = asyncio.run(trial(study, port, games, options.browsers, 60 * options.minutes, options.seed))
     rows = [*result.rows()]
     width = max(len(name) for name, _ in rows)
     print("\n".join(f"{name:{width}}  {value}" for name, value in rows), flush=True)
@@ -353,6 +426,7 @@ def main() -> None:
     """Run the trials."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--games", type=int, default=42, help="number of games; with --find, of the first trial")
+    parser.add_argument("--browsers", type=int, default=0, help="number of people who use Chromium")
     parser.add_argument("--minutes", type=float, default=5.0, help="minutes in which all people play")
     parser.add_argument("--find", action="store_true", help="find the greatest number of games within the bound")
     parser.add_argument("--map", default="arena8", help="map of the games")
