@@ -17,6 +17,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 PATIENCE = 60.0
 """Seconds for each step."""
+REASON = "asked <svg onload='pwned = 1'> a friend"
 MESSAGE = '<img src=x onerror="window.pwned = 1">Please continue.'
 
 
@@ -106,9 +107,11 @@ def main(port, key, folder):
         seen["closed"] = not person.text("#message")
         desk.until(lambda: "Read" in desk.text("#tables section:last-child tbody"))
         desk.press(f"tr[data-key='{rows[0]}'] button[aria-label^='Exclude']")
-        desk.browser.find_element(By.CSS_SELECTOR, "dialog textarea").send_keys("asked a friend")
+        desk.browser.find_element(By.CSS_SELECTOR, "dialog textarea").send_keys(REASON)
         desk.press("dialog .main")
-        desk.until(lambda: "asked a friend" in desk.text(f"tr[data-key='{rows[0]}']"))
+        desk.until(lambda: REASON in desk.text(f"tr[data-key='{rows[0]}']"))
+        foreign = "return document.querySelectorAll('img[src=x], [onload], main script').length"
+        seen["foreign"] = [each.browser.execute_script(foreign) for each in (person, desk)]
         seen["pwned"] = [each.browser.execute_script("return window.pwned ?? null") for each in (person, desk)]
         other.browser.switch_to.window(theirs)
         other.until(lambda: other.text("main h1") == "The study ends here")

@@ -58,6 +58,7 @@ def test_the_researcher_messages_one_person_and_excludes_the_other(tmp_path: Pat
         "message": '<img src=x onerror="window.pwned = 1">Please continue.',
         "still reads": True,
         "closed": True,
+        "foreign": [0, 0],
         "pwned": [None, None],
         "other reads": True,
     }
@@ -66,4 +67,4 @@ def test_the_researcher_messages_one_person_and_excludes_the_other(tmp_path: Pat
     assert logged[EventKind.MESSAGE_SENT].participant == messaged
     assert logged[EventKind.MESSAGE_CLOSED].participant == messaged
     assert logged[EventKind.RUN_EXCLUDED].participant == excluded
-    assert (logged[EventKind.RUN_EXCLUDED].data or {})["reason"] == "asked a friend"
+    assert (logged[EventKind.RUN_EXCLUDED].data or {})["reason"] == "asked <svg onload='pwned = 1'> a friend"

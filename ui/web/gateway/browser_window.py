@@ -130,7 +130,7 @@ class BrowserWindow:
     def page_of(self, message: ToKiosk | None = None) -> dict[str, Json] | None:
         """Return the page of a message; without a message, the page that the person sees. None if there is none."""
         pages = (self._maker.page(each) for each in ([message] if message is not None else reversed(self._kept)))
-        return next((page for page in pages if page is not None and "page" in page), None)
+        return next((page for page in pages if page is not None and page["t"] != "message" and "heading" in page), None)
 
     def elsewhere(self) -> dict[str, Json]:
         """Return the page for a tab while another tab is live."""

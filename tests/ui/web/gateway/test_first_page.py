@@ -9,6 +9,9 @@ from pathlib import Path
 from tests.support.programs.browser_client import BrowserClient
 from tests.support.studies.served_study import served
 from tests.ui.web.gateway.test_serving import scenario
+from thbridge.files.language_texts import shipped_texts
+from ui.model.kiosk import GameNews, GameToJoin, ResearcherMessage
+from ui.web.gateway.browser_window import BrowserWindow
 
 MOST_BYTES = 200_000
 STUDY = """\
@@ -77,6 +80,16 @@ def test_the_first_answer_is_enough_to_read_the_first_page(tmp_path: Path) -> No
         await browser.close()
 
     scenario(tmp_path, look)
+
+
+def test_the_page_of_a_game_is_found_behind_its_news() -> None:
+    async def look() -> None:
+        window = BrowserWindow(shipped_texts())
+        for message in (GameToJoin(3, "", 0, "", False), GameNews(3, 30), ResearcherMessage("Hello")):
+            await window.send(message)
+        assert (window.page_of() or {})["t"] == "game"
+
+    asyncio.run(look())
 
 
 def test_a_page_that_is_loaded_again_begins_with_the_text_that_its_person_sees(tmp_path: Path) -> None:
