@@ -157,6 +157,7 @@ class PageFact:
         drawn: kind of drawing next to the words, as in `PropertyDrawing`.
         value: value to draw, in lower case.
         asked: question above the values that the participant can report; empty if there are none.
+        key: key that moves from one of these values to the next; empty for none.
         acts: acts that sense or report it.
     """
 
@@ -164,6 +165,7 @@ class PageFact:
     drawn: str
     value: str
     asked: str
+    key: str
     acts: tuple[PageButton, ...]
 
 
@@ -632,10 +634,10 @@ class _ButtonMaker:
         texts = self.texts
         drawn = fact.drawn is not PropertyDrawing.NONE
         words = fact.shown if drawn else texts.text("window.fact", label=fact.label, value=fact.shown)
-        asked = ""
+        asked = key = ""
         if fact.tell:
             key = shown_key(texts, next((action.key for action in fact.tell if action.key), ""))
-            asked = f"{texts.text('window.as_you_see_it', label=fact.label)} {key}".rstrip()
+            asked = texts.text("window.as_you_see_it", label=fact.label)
         # The key of the values is shown next to the question, because it moves from one value to the next.
         acts = [replace(act, key="") if isinstance(act.act, TellPropertyAct) else act for act in fact.acts]
         return PageFact(
@@ -643,6 +645,7 @@ class _ButtonMaker:
             drawn=fact.drawn.value if fact.value else PropertyDrawing.NONE.value,
             value=fact.value.casefold(),
             asked=asked,
+            key=key,
             acts=self.all(acts),
         )
 

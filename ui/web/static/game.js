@@ -481,12 +481,14 @@ function showFacts(parent, facts, act) {
     parent,
     facts.filter((fact) => fact.words || fact.acts.length),
     (fact, index) => index,
-    () => element("li", {}, element("span", { class: "drawn" }), element("span", {}), element("span", { class: "asked muted" }), element("div", { class: "row" })),
+    () => element("li", {}, element("span", { class: "drawn" }), element("span", {}), element("span", { class: "asked muted" }, element("span", {}), element("kbd", {})), element("div", { class: "row" })),
     (made, fact) => {
       set(made.children[0], { hidden: fact.drawn === "none", "data-drawn": fact.drawn, "data-value": fact.value });
       if (fact.drawn === "colour") made.children[0].style.setProperty("--swatch", fact.value.replaceAll(" ", ""));
       set(made.children[1], { text: fact.words, hidden: !fact.words });
-      set(made.children[2], { text: fact.asked, hidden: !fact.asked });
+      made.children[2].hidden = !fact.asked;
+      set(made.children[2].children[0], { text: fact.asked });
+      set(made.children[2].children[1], { text: fact.key, hidden: !fact.key });
       buttons(made.children[3], fact.acts, act, { weight: "small" });
     },
   );
