@@ -80,6 +80,7 @@ def serve(
     from ui.first_start.compiling import compile_ahead
     from ui.web.gateway.draining import drain as drain_server
     from ui.web.pool.running_games import RunningGames
+    from ui.web.pool.worker import GATEWAY_TIMEOUT
 
     is_study = served is not None and served.is_dir()
     recorded = bags if served is None or not is_study else served
@@ -89,7 +90,9 @@ def serve(
         if not drain_server(running, note):
             fail(
                 BAD_INPUT,
-                f"No server serves {recorded}. Name its study folder, or its folder of recordings with --bags.",
+                f"No server serves {recorded}. Name its study folder, or its folder of recordings with --bags. If the "
+                f"server has another temporary folder than {running.folder.parent.parent}, as services with PrivateTmp "
+                "have, run both commands with the same TMPDIR.",
             )
         return
     if games == 0 and scheduler is None:
@@ -129,9 +132,20 @@ def serve(
             admission,
             tuple(proxy or ()),
             running=running,
+            stopping=report_running,
             remote=None if scheduler is None else _remote_hosts(scheduler, recorded),
             keys=desk_keys,
         )
+
+    def report_running() -> None:
+        """Report the games that outlive the server."""
+        if count := len([*running]):
+            games_go_on = "1 game goes" if count == 1 else f"{count} games go"
+            note(
+                f"The server ends. {games_go_on} on for {GATEWAY_TIMEOUT:.0f} s: start the same command again within "
+                "this time, and people are back where they were. Otherwise the games end, with complete recordings. "
+                "To end a server only after its games, use --drain."
+            )
 
     def begin() -> None:
         """Continue in a process that is started again if it dies; end the first one if the cluster cannot be used."""

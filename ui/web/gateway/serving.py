@@ -70,6 +70,7 @@ class _Server(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Accept no further connections, and close all connections."""
+        self._options.stopping()
         self._door.close()
         await self._door.wait_closed()
         await super().shutdown(None)
@@ -111,6 +112,7 @@ class ServerOptions:
         games: greatest number of games at the same time on this machine.
         tls: context with the certificate of the server. If None, connections are not encrypted.
         ready: called when browsers can connect.
+        stopping: called when the server is stopped.
         admission: networks of the admitted machines.
         proxies: networks of proxies, whose headers name the browser's address and scheme.
         running: running games, which the next server continues. If None, games end with the server.
@@ -125,6 +127,7 @@ class ServerOptions:
     admission: Admission = OWN_MACHINE
     proxies: tuple[str, ...] = ()
     running: RunningGames | None = None
+    stopping: Callable[[], None] = lambda: None
     remote: Callable[[Callable[[str], None]], AbstractAsyncContextManager[RemoteHosts]] | None = None
     keys: KeyVerifier = field(default_factory=lambda: SingleKey(secrets.token_urlsafe(24)))
 

@@ -62,6 +62,28 @@ def test_games_outlive_a_server_that_is_killed_and_started_again(tmp_path: Path)
     assert len(list((study / "recordings").rglob("*.inputs"))) == 2
 
 
+def test_ctrl_c_ends_the_server_and_says_how_long_its_games_go_on(tmp_path: Path) -> None:
+    study = write_study(tmp_path / "study")
+
+    async def run(served: ServedProgram) -> None:
+        browser = await BrowserClient.arrived(served.port)
+        await begun(browser)
+        workers = served.workers
+        # A terminal sends the signal to all processes in the foreground.
+        os.killpg(served.program.process.pid, signal.SIGINT)
+        await asyncio.to_thread(served.program.process.wait, 60)
+        assert "1 game goes on for 60 s: start the same command again within this time" in served.program.text
+        assert "Traceback" not in served.program.text
+        served.again()
+        await browser.come_back(served.port)
+        await playing(browser)
+        assert served.workers == workers
+        await browser.close()
+
+    with ServedProgram(study, "--games", "1") as served:
+        asyncio.run(asyncio.wait_for(run(served), 280))
+
+
 def test_a_drained_server_starts_nothing_ends_after_its_games_and_is_the_only_one(tmp_path: Path) -> None:
     study = write_study(tmp_path / "study")
 

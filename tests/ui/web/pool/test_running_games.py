@@ -1,9 +1,11 @@
 """Running games, as the next server of the same folder finds them, and people who wait for a game."""
 
+import tempfile
 from pathlib import Path
 
 import pytest
 
+from tests.support.programs.commands import invoke
 from thbridge.files.errors import BadFile
 from ui.web.gateway.game_queue import GameQueue
 from ui.web.pool.messages import WorkerResult
@@ -35,6 +37,12 @@ def test_a_result_waits_for_the_next_server_until_it_is_in_the_log(games: Runnin
     assert kept.declined
     games.forget("game")
     assert games.result("game") is None
+
+
+def test_a_server_that_is_not_found_may_have_another_temporary_folder(tmp_path: Path) -> None:
+    answer = invoke("serve", "--drain", "--bags", str(tmp_path))
+    assert answer.exit_code == 2
+    assert f"another temporary folder than {tempfile.gettempdir()}" in " ".join(answer.output.split())
 
 
 def test_only_one_server_has_the_games_of_a_folder(games: RunningGames, tmp_path: Path) -> None:
