@@ -10,7 +10,7 @@ from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import LogEntry
 from thbridge.experiment.store.head import restore_remedy
 from thbridge.experiment.store.known_folders import KnownFolders
-from thbridge.experiment.store.pending_withdrawals import PendingWithdrawals, WithdrawnEvents
+from thbridge.experiment.store.pending_withdrawals import PendingWithdrawals, WithdrawnDigests
 from thbridge.files.disk.inside import path_inside, relative_inside
 from thbridge.files.errors import BadFile
 
@@ -86,9 +86,14 @@ class ExperimentFolder:
         return PendingWithdrawals(self.root / STORE / "withdrawal.json")
 
     @property
-    def withdrawn_events(self) -> WithdrawnEvents:
+    def withdrawn_events(self) -> WithdrawnDigests:
         """The list of events that withdrawals deleted."""
-        return WithdrawnEvents(self.root / STORE / "withdrawn.json")
+        return WithdrawnDigests(self.root / STORE / "withdrawn.json")
+
+    @property
+    def withdrawn_links(self) -> WithdrawnDigests:
+        """The list of the link codes of people who withdrew."""
+        return WithdrawnDigests(self.root / STORE / "withdrawn-links.json")
 
     @property
     def tickets(self) -> BrowserTickets:

@@ -15,6 +15,7 @@ from pathlib import Path
 from thbridge.experiment.backup import back_up
 from thbridge.experiment.conductor import sequences_of
 from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.design.recruiting import digest_of_code
 from thbridge.experiment.export.folder import clear_remains, remake_export
 from thbridge.experiment.export.manifest import exports_with, known_exports, last_event_of, missing_exports, people_of
 from thbridge.experiment.folder import ExperimentFolder
@@ -87,7 +88,8 @@ def plan_withdrawal(study: ExperimentFolder, design: ExperimentDesign, named: st
         BadFile: the log or a list of folders cannot be read.
     """
     entries = study.entries()
-    codes = {run.participant: run.code for run in Progress(design).after(entries).runs.values()}
+    runs = Progress(design).after(entries).runs
+    codes = {run.participant: run.code for run in runs.values()}
     wanted = plain(named)
     known = {*codes, *_people_elsewhere(study)}
     found = [each for each in known if each == named.strip()] or sorted(
@@ -96,6 +98,9 @@ def plan_withdrawal(study: ExperimentFolder, design: ExperimentDesign, named: st
     if len(found) != 1:
         raise NobodyWithdraws(named)
     (participant,) = found
+    link = ""
+    if design.file.recruiting.codes is not None and participant in runs and runs[participant].external_id:
+        link = digest_of_code(runs[participant].external_id).hex()
     recordings = {}
     for folder in (study, *study.replaced()):
         if (path := _recordings(folder, participant)) is not None and path.exists():
@@ -103,7 +108,7 @@ def plan_withdrawal(study: ExperimentFolder, design: ExperimentDesign, named: st
             recordings[path] = (len(sizes), sum(sizes))
     backups = study.backups_known.paths()
     return WithdrawalPlan(
-        PendingWithdrawal(participant, codes.get(participant, "")),
+        PendingWithdrawal(participant, codes.get(participant, ""), link),
         len(sequences_of(entries, participant)),
         recordings,
         exports_with(study, participant),
@@ -170,6 +175,8 @@ def finish_withdrawal(
         log.delete(sequences, clocks())
     study.withdrawn_events.add(deleted_digests(study.log))
     study.tickets.forget(participant)
+    if withdrawal.link:
+        study.withdrawn_links.add([bytes.fromhex(withdrawal.link)])
     result.done.append(f"{study.log}: all events of {participant} were deleted.")
     entries = log.read()
     result.left += _named_elsewhere(entries, participant)

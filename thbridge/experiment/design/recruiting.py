@@ -137,10 +137,10 @@ class LinkCodes:
 
     def __init__(self, codes: Sequence[str]) -> None:
         # A digest is looked up, so the time of the look-up does not depend on the characters of a guessed code.
-        self._digests = frozenset(map(_digest, codes))
+        self._digests = frozenset(map(digest_of_code, codes))
 
     def __contains__(self, code: object) -> bool:
-        return isinstance(code, str) and _digest(code) in self._digests
+        return isinstance(code, str) and digest_of_code(code) in self._digests
 
 
 def read_codes(path: Path) -> list[str]:
@@ -200,5 +200,6 @@ def link_with(address: str, code: str) -> str:
     return f"{address.rstrip('/')}/?{CODE}={code}"
 
 
-def _digest(text: str) -> bytes:
-    return hashlib.sha256(text.encode()).digest()
+def digest_of_code(code: str) -> bytes:
+    """Return the digest of a link's code."""
+    return hashlib.sha256(code.encode()).digest()

@@ -1,4 +1,4 @@
-"""Unfinished withdrawals, and the digests of events that withdrawals deleted."""
+"""Unfinished withdrawals, and the digests of events and link codes that withdrawals deleted."""
 
 import json
 from collections.abc import Iterable
@@ -23,10 +23,12 @@ class PendingWithdrawal:
     Attributes:
         participant: id of the participant.
         code: the participant's completion code; empty if there is none.
+        link: digest of the code in the participant's link, hexadecimal; empty if the study needs no code.
     """
 
     participant: str
     code: str = ""
+    link: str = ""
 
 
 class PendingWithdrawals:
@@ -79,10 +81,10 @@ class PendingWithdrawals:
             raise BadFile(self._path, problem, "Give your account the right to write into this folder") from None
 
 
-class WithdrawnEvents:
-    """List of the digests of all events that withdrawals deleted, in a file without names of people.
+class WithdrawnDigests:
+    """List of the digests of all events, or of all link codes, that withdrawals deleted; it names no person.
 
-    After a restore, the log is older and may contain these events again.
+    After a restore, the log is older and may contain the events again.
 
     Args:
         path: path of the file. The file may not exist.

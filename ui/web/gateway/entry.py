@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import Protocol
 
 from thbridge.experiment.conductor import Conductor
-from thbridge.experiment.design.recruiting import CODE, LinkCodes, RecruitingSection, is_value
+from thbridge.experiment.design.recruiting import CODE, LinkCodes, RecruitingSection, digest_of_code, is_value
 from thbridge.experiment.store.browser_tickets import BrowserTickets
 
 
@@ -18,7 +18,7 @@ class LinkFault(StrEnum):
     UNKNOWN = "unknown_link"
     """The code is not one of this study, or a parameter has characters that no service sends."""
     USED = "used_link"
-    """The person with this link has already finished the study."""
+    """The person with this link has already finished the study, or has withdrawn."""
 
 
 class EntryRefused(Exception):  # noqa: N818 - nothing went wrong with the program
@@ -70,6 +70,7 @@ class StudyEntry:
         codes: codes that admit people; if None, no code is needed.
         conductor: conductor of the study.
         tickets: record of browsers and their participants.
+        withdrawn: digests of the codes of people who withdrew; their codes admit no one.
     """
 
     def __init__(
@@ -78,7 +79,9 @@ class StudyEntry:
         codes: LinkCodes | None,
         conductor: Conductor,
         tickets: BrowserTickets,
+        withdrawn: frozenset[bytes] = frozenset(),
     ) -> None:
+        self._withdrawn = withdrawn
         self._recruiting = recruiting
         self._codes = codes
         self._conductor = conductor
@@ -97,6 +100,8 @@ class StudyEntry:
         elif code := query.get(CODE, ""):
             if code not in self._codes:
                 raise EntryRefused(LinkFault.UNKNOWN)
+            if digest_of_code(code) in self._withdrawn:
+                raise EntryRefused(LinkFault.USED)
             external_id = code
         elif known in runs:
             # The page removes the code from its address, so a page that is loaded again comes without it.

@@ -177,7 +177,7 @@ async def serve_study(
         codes: codes that admit people; if None, no code is needed.
     """
     tickets = place.tickets
-    entry = StudyEntry(design.file.recruiting, codes, conductor, tickets)
+    entry = StudyEntry(design.file.recruiting, codes, conductor, tickets, place.withdrawn_links.read())
     problems = [report]
 
     def tell(problem: str) -> None:

@@ -7,11 +7,12 @@ from pathlib import Path
 import pytest
 
 from tests.support.programs.browser_client import BrowserClient
+from tests.support.programs.commands import output_of
 from tests.support.studies.served_study import served
 from tests.support.studies.study_events import data_of
 from thbridge.experiment.export.tables import tables_of
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.store.events import EventKind, RunState
+from thbridge.experiment.store.events import EventKind, LoggedEvent, RunState
 
 STUDY = """\
 title: By a link
@@ -111,6 +112,37 @@ def test_a_code_admits_one_person_who_continues_in_another_browser(study: Callab
             await again.close()
 
     asyncio.run(asyncio.wait_for(run(), 120))
+
+
+def test_the_code_of_a_person_who_withdrew_admits_no_one(study: Callable[[str], Path]) -> None:
+    folder = study("{codes: codes.txt}")
+
+    async def run(query: str) -> BrowserClient:
+        async with served(folder) as (port, _):
+            browser = await BrowserClient.arrived(port, query)
+            await consented(browser, agrees=True)
+            await browser.close()
+        return browser
+
+    async def refused(browser: BrowserClient) -> None:
+        async with served(folder) as (port, conductor):
+            # In the person's own browser, too.
+            for cookie in ("", browser.cookie):
+                text = await asyncio.to_thread(BrowserClient(port, cookie).load, f"?code={CODES[0]}")
+                assert "already been used" in text
+            assert "Please open the study by its link" in await asyncio.to_thread(
+                BrowserClient(port, browser.cookie).load
+            )
+            assert "already been used" not in await asyncio.to_thread(BrowserClient(port).load, f"?code={CODES[1]}")
+            assert not conductor.progress.runs
+
+    browser = asyncio.run(asyncio.wait_for(run(f"?code={CODES[0]}"), 120))
+    (participant,) = {
+        entry.event.participant for entry in ExperimentFolder(folder).entries() if isinstance(entry, LoggedEvent)
+    } - {""}
+    output_of("study", "withdraw", folder, participant, "--yes")
+    asyncio.run(asyncio.wait_for(refused(browser), 120))
+    assert all(CODES[0].encode() not in path.read_bytes() for path in (folder / "store").rglob("*") if path.is_file())
 
 
 @pytest.mark.parametrize(
