@@ -25,7 +25,9 @@ const plot = (figure) => [figure.querySelector("h3").firstChild.data, texts(".va
 const slider = document.querySelector(".timeline input");
 return {
   at: Number(slider.value),
+  from: Number(slider.min),
   duration: Number(slider.max),
+  ticks: texts("figure .plot .tick[text-anchor=middle]"),
   robots: all(".map g.robot").map(numbers),
   plots: Object.fromEntries(all("figure").map(plot)),
   active: texts(".entry[aria-current] .words"),
@@ -68,6 +70,9 @@ def main():
             if time.monotonic() > end:
                 raise TimeoutError(f"{name}: {steps[name]}")
 
+    def length(shown):
+        return shown["duration"] - shown["from"]
+
     def keys(text):
         browser.find_element(By.TAG_NAME, "body").send_keys(text)
 
@@ -97,6 +102,19 @@ def main():
     look("end")
     keys("1")
     look("followed")
+    keys("i")
+    look("zoomed")
+    if how == "mouse":
+        plot = "document.querySelector('figure .plot')"
+        browser.execute_script(f"{plot}.scrollIntoView({{block: 'center'}})")
+        box = browser.execute_script(f"return {plot}.getBoundingClientRect().toJSON()")
+        middle = {"x": box["x"] + box["width"] / 2, "y": box["y"] + box["height"] / 2}
+        wheel = {"type": "mouseWheel", "modifiers": 2, "deltaX": 0, "deltaY": -100, **middle}
+        browser.execute_cdp_cmd("Input.dispatchMouseEvent", wheel)
+        look("by wheel", lambda shown: length(shown) < 0.9 * length(steps["zoomed"]))
+    keys("oooo")
+    keys(Keys.END)
+    look("whole again")
     browser.save_screenshot(f"{folder}/player-{how}-{scheme}.png")
     faults = [
         f"{fault['id']} ({fault['impact']}): {[node['target'] for node in fault['nodes']][:3]}"

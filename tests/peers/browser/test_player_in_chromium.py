@@ -86,6 +86,12 @@ def test_a_person_looks_at_a_recording(
     assert steps["last entry"]["active"] == [steps["end"]["active"][0]]
     for name in ("five seconds", "middle", "next event", "end"):
         _assert_values_of(report, steps[name])
+    zoomed, whole = steps["zoomed"], steps["whole again"]
+    assert zoomed["duration"] - zoomed["from"] == pytest.approx(report.duration / 2.0, abs=0.02)
+    assert zoomed["at"] == whole["at"], "the time axis does not move the playback"
+    assert zoomed["ticks"] != whole["ticks"] == steps["start"]["ticks"]
+    assert zoomed["plots"] == whole["plots"]
+    assert (whole["from"], whole["duration"]) == (0.0, steps["start"]["duration"])
     # A script that ran would have opened a dialog, and the rest of the steps would have failed.
     assert steps["end"]["active"] == [f"Robot 1{HOSTILE}"]
     assert not any(step["wider"] for step in steps.values())

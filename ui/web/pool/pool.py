@@ -154,7 +154,7 @@ class HostedGame:
         self._send(PersonLeft())
 
     def confirm(self) -> None:
-        """Tell the worker that its result is kept."""
+        """Confirm to the worker that its result is kept."""
         self._send(ResultKept())
 
     async def ended(self) -> WorkerResult:

@@ -7,6 +7,7 @@ import { Stage } from "./stage.js";
 import { Transcript } from "./transcript.js";
 import { SPEEDS, Transport } from "./transport.js";
 
+const SHORTEST = 5; // Seconds that the time axis shows at least.
 const CALM = 500; // Milliseconds between two pictures for people who want less motion.
 const by = (id) => document.getElementById(id);
 
@@ -16,6 +17,7 @@ class Player {
     this.stage = new Stage(this.words.map, recording, (robot) => this.follow(robot));
     this.transcript = new Transcript(by("kinds"), by("entries"), this.words, (time) => this.seek(time), () => this.#marks());
     this.transport = new Transport(this.words, this);
+    this.#listenForZoom(this.transport.timeline, (event) => this.transport.time(event));
     this.plots = [];
     this.#build();
     const place = new URLSearchParams(location.hash.slice(1));
@@ -38,15 +40,23 @@ class Player {
     for (const button of by("games").children) set(button, { "aria-pressed": button.game === this.game ? "true" : "false" });
     this.stage.showGame(this.game);
     this.transcript.showGame(this.game);
-    this.transport.showGame(this.game);
     this.plots = plotsOf(this.game, this.words);
     by("plots").replaceChildren(...this.plots.map((plot) => plot.element));
     for (const plot of this.plots) this.#listen(plot);
     set(by("values"), { hidden: !this.plots.length });
     set(by("missing"), { hidden: !this.game.missing.length });
     by("missing").querySelector("ul").replaceChildren(...this.game.missing.map((text) => element("li", { text })));
-    this.#marks();
+    this.#showSpan(0, this.game.duration);
     this.#resize();
+    this.show();
+  }
+
+  // Shows `factor` times as much of the time axis; the time `around` keeps its place.
+  zoom(factor, around = this.at) {
+    const { from, to } = this.span;
+    const length = Math.min(Math.max((to - from) * factor, SHORTEST), this.game.duration);
+    const share = to > from ? (around - from) / (to - from) : 0;
+    this.#showSpan(around - share * length, length);
     this.show();
   }
 
@@ -93,11 +103,25 @@ class Player {
   }
 
   show() {
+    const { from, to } = this.span;
+    // The time axis turns the page.
+    if (this.at < from || this.at > to) this.#showSpan(this.at - 0.1 * (to - from), to - from);
     this.stage.show(this.at, this.followed);
     this.transcript.show(this.at, this.playing);
     this.transport.show(this.at, this.playing, this.speed);
     this.#showRobots();
     for (const plot of this.plots) plot.showAt(this.hovered ?? this.at);
+  }
+
+  #showSpan(start, length) {
+    const from = Math.min(Math.max(start, 0), this.game.duration - length);
+    this.span = { from, to: from + length };
+    for (const plot of this.plots) {
+      plot.span = this.span;
+      if (plot.width) plot.draw(plot.width);
+    }
+    this.transport.showSpan(this.game, this.span);
+    this.#marks();
   }
 
   #play(now) {
@@ -173,6 +197,30 @@ class Player {
       this.show();
     });
     plot.svg.addEventListener("click", (event) => this.seek(time(event)));
+    this.#listenForZoom(plot.svg, time);
+  }
+
+  // Zooms by the wheel with Ctrl, which is also what touchpads send for two fingers, and by two fingers on a screen.
+  #listenForZoom(target, time) {
+    target.addEventListener(
+      "wheel",
+      (event) => {
+        if (!event.ctrlKey && !event.metaKey) return;
+        event.preventDefault();
+        this.zoom(Math.exp(Math.min(Math.max(event.deltaY, -100), 100) / 200), time(event));
+      },
+      { passive: false },
+    );
+    const fingers = new Map();
+    const apart = () => Math.max(Math.abs([...fingers.values()].reduce((one, other) => one - other)), 10);
+    target.addEventListener("pointerdown", (event) => fingers.set(event.pointerId, event.clientX));
+    target.addEventListener("pointermove", (event) => {
+      if (!fingers.has(event.pointerId)) return;
+      const before = apart();
+      fingers.set(event.pointerId, event.clientX);
+      if (fingers.size === 2) this.zoom(before / apart(), time(event));
+    });
+    for (const end of ["pointerup", "pointercancel", "pointerleave"]) target.addEventListener(end, (event) => fingers.delete(event.pointerId));
   }
 
   #build() {
@@ -202,7 +250,7 @@ class Player {
     }
     const keys = [
       ["␣ K", "key_play"], ["← →", "key_seek"], [", .", "key_step"], ["[ ]", "key_event"], ["− +", "key_speed"],
-      ["Home End", "key_ends"], ["1–9", "key_robot"], ["0", "key_map"],
+      ["Home End", "key_ends"], ["I O", "key_zoom"], ["1–9", "key_robot"], ["0", "key_map"],
     ];
     const rows = keys.flatMap(([key, name]) => [
       element("dt", {}, ...key.split(" ").map((each) => element("kbd", { text: each }))),
@@ -240,6 +288,8 @@ class Player {
       Home: () => this.seek(0),
       End: () => this.seek(this.game.duration),
       0: () => this.#wholeMap(),
+      i: () => this.zoom(0.5),
+      o: () => this.zoom(2),
     };
     const act = /^[1-9]$/.test(event.key) ? () => this.follow(Number(event.key) - 1) : acts[event.key];
     if (!act || scrolls) return;

@@ -40,7 +40,7 @@ export function plotsOf(game, words) {
 
 class Plot {
   constructor(game, words, title, unit, note, height) {
-    Object.assign(this, { game, words, height });
+    Object.assign(this, { game, words, height, span: { from: 0, to: game.duration } });
     this.svg = shape("svg", { class: "plot", role: "img", "aria-label": title });
     this.values = element("ul", { class: "values" });
     const heading = element("h3", { text: title }, unit ? element("span", { class: "muted", text: ` ${unit}` }) : null);
@@ -54,24 +54,33 @@ class Plot {
     this.right = width - 10;
     set(this.svg, { viewBox: `0 0 ${width} ${this.height}`, height: this.height });
     this.cursor = shape("line", { class: "cursor", y1: ABOVE, y2: this.height - BELOW });
-    this.svg.replaceChildren(...this.timeAxis(), ...this.drawn(), this.cursor);
+    const parts = [...this.timeAxis(), ...this.drawn()];
+    const isFrame = (part) => ["grid", "tick"].includes(part.getAttribute("class"));
+    // An inner picture, which cuts off what is before and after the shown time.
+    const [inner, height] = [this.right - LEFT, this.height];
+    const box = { x: LEFT, width: inner, height, viewBox: `${LEFT} 0 ${inner} ${height}`, preserveAspectRatio: "none" };
+    const content = shape("svg", box, ...parts.filter((part) => !isFrame(part)), this.cursor);
+    this.svg.replaceChildren(...parts.filter(isFrame), content);
   }
 
   x(time) {
-    return LEFT + (time / Math.max(this.game.duration, 1e-3)) * (this.right - LEFT);
+    const { from, to } = this.span;
+    return LEFT + ((time - from) / Math.max(to - from, 1e-3)) * (this.right - LEFT);
   }
 
   time(x) {
+    const { from, to } = this.span;
     const share = Math.min(Math.max((x - LEFT) / (this.right - LEFT), 0), 1);
-    return share * this.game.duration;
+    return from + share * (to - from);
   }
 
   timeAxis() {
     const steps = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200];
     const most = Math.max(2, (this.right - LEFT) / 80);
-    const step = steps.find((each) => this.game.duration / each <= most) ?? this.game.duration / most;
+    const { from, to } = this.span;
+    const step = steps.find((each) => (to - from) / each <= most) ?? (to - from) / most;
     const ticks = [];
-    for (let time = 0; time <= this.game.duration + 1e-6; time += step) ticks.push(time);
+    for (let time = Math.ceil(from / step - 1e-6) * step; time <= to + 1e-6; time += step) ticks.push(time);
     return ticks.flatMap((time) => [
       shape("line", { class: "grid", x1: this.x(time), x2: this.x(time), y1: ABOVE, y2: this.height - BELOW }),
       shape("text", { class: "tick", x: this.x(time), y: this.height - 6, "text-anchor": "middle", text: clock(time) }),
@@ -138,12 +147,13 @@ class Values extends Plot {
   // A line with at most the first, least, greatest and last value in each column of pixels.
   #line(curve, column) {
     const points = [];
-    let from = 0;
+    let from = Math.max(curve.last(this.span.from), 0);
+    const end = Math.min(curve.last(this.span.to) + 2, curve.length);
     const values = curve.values[column];
-    while (from < curve.length) {
+    while (from < end) {
       const pixel = Math.round(this.x(curve.times[from]));
       let [low, high, to] = [from, from, from];
-      for (; to + 1 < curve.length && Math.round(this.x(curve.times[to + 1])) === pixel; to++) {
+      for (; to + 1 < end && Math.round(this.x(curve.times[to + 1])) === pixel; to++) {
         if (values[to + 1] < values[low]) low = to + 1;
         if (values[to + 1] > values[high]) high = to + 1;
       }

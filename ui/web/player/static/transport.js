@@ -49,9 +49,16 @@ export class Transport {
     this.controls = element("div", { class: "controls" }, this.now, buttons, element("div", { class: "end" }, this.speed, keys));
   }
 
-  showGame(game) {
-    this.game = game;
-    set(this.slider, { max: game.duration });
+  // Shows a part of the game's time.
+  showSpan(game, span) {
+    Object.assign(this, { game, span });
+    set(this.slider, { min: span.from, max: span.to });
+  }
+
+  // Time at a place of the pointer.
+  time(event) {
+    const { left, width } = this.timeline.getBoundingClientRect();
+    return this.span.from + Math.min(Math.max((event.clientX - left) / width, 0), 1) * (this.span.to - this.span.from);
   }
 
   // Draws the marks of the entries that are shown in the list.
@@ -61,7 +68,8 @@ export class Transport {
     set(this.marks, { viewBox: `0 0 ${Math.max(width, 1)} ${LANE * MARKS.length}` });
     this.marks.replaceChildren(
       ...MARKS.map((mark, lane) => {
-        const places = new Set(entries.filter((entry) => entry.mark === mark).map((entry) => Math.round(this.#x(entry.at))));
+        const shown = entries.filter((entry) => entry.mark === mark && entry.at >= this.span.from && entry.at <= this.span.to);
+        const places = new Set(shown.map((entry) => Math.round(this.#x(entry.at))));
         return shape("path", { "data-mark": mark, d: [...places].map((x) => `M${x} ${lane * LANE + 1}v${LANE - 2}`).join("") });
       }),
     );
@@ -69,8 +77,7 @@ export class Transport {
 
   show(time, playing, speed) {
     const { duration } = this.game;
-    const share = duration > 0 ? time / duration : 0;
-    set(this.head, { style: `left: ${(100 * share).toFixed(3)}%` });
+    set(this.head, { style: `left: ${(100 * this.#share(time)).toFixed(3)}%` });
     this.slider.value = time;
     const position = this.words.position_of.replace("£time£", clock(time)).replace("£duration£", clock(duration));
     set(this.slider, { "aria-valuetext": position });
@@ -81,14 +88,19 @@ export class Transport {
     set(this.play.querySelector("path"), { d: playing ? PAUSE : PLAY });
   }
 
+  #share(time) {
+    const { from, to } = this.span;
+    return to > from ? (time - from) / (to - from) : 0;
+  }
+
   #x(time) {
-    return this.game.duration > 0 ? (time / this.game.duration) * this.timeline.clientWidth : 0;
+    return this.#share(time) * this.timeline.clientWidth;
   }
 
   #point(event) {
     const { left, width } = this.timeline.getBoundingClientRect();
     const x = Math.min(Math.max(event.clientX - left, 0), width);
-    const time = (x / width) * this.game.duration;
+    const time = this.time(event);
     const distances = this.entries.map((entry) => Math.abs(this.#x(entry.at) - x));
     const near = distances.reduce((best, each, index) => (each < (distances[best] ?? NEAR) ? index : best), -1);
     const entry = this.entries[near];
