@@ -49,6 +49,7 @@ def back_up(study: ExperimentFolder, to: Path) -> tuple[str, ...]:
             study.backups_known.add(to)
             copy_log(study.log, copy.log)
             copy.origins.add(study.root)
+            study.add_withdrawn_to(copy)
             people = {entry.event.participant for entry in _events(read_log(copy.log))}
             exports = {*known_exports(study), (study.root / EXPORTS).resolve()}
             without = {(study.root / STORE).resolve(), *exports}

@@ -95,6 +95,15 @@ class ExperimentFolder:
         """The list of the link codes of people who withdrew."""
         return WithdrawnDigests(self.root / STORE / "withdrawn-links.json")
 
+    def add_withdrawn_to(self, other: "ExperimentFolder") -> None:
+        """Add the lists of what withdrawals deleted to the lists of another folder.
+
+        Raises:
+            BadFile: a list cannot be read or written.
+        """
+        other.withdrawn_events.add(self.withdrawn_events.read())
+        other.withdrawn_links.add(self.withdrawn_links.read())
+
     @property
     def tickets(self) -> BrowserTickets:
         """The record of browsers and their participants.

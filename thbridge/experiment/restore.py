@@ -126,6 +126,7 @@ def restore(plan: RestorePlan) -> tuple[Path | None, tuple[str, ...]]:
             for withdrawal in plan.withdrawn:
                 study.pending_withdrawals.add(withdrawal)
             study.backups_known.add(backup.root)
+            backup.add_withdrawn_to(study)
             write_whole(restoring_path(study.log), (json.dumps({"kept": kept.root.name}) + "\n").encode())
             replace_log(study.log, study.restoring / "log")
             _keep_files(backup, study, kept)

@@ -14,6 +14,7 @@ from thbridge.experiment.backup import back_up
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.freeze import data_of
+from thbridge.experiment.restore import plan_restore, restore
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Clocks, EventKind
 from thbridge.files.errors import BadFile
@@ -127,6 +128,17 @@ def test_a_recording_that_an_event_places_elsewhere_is_not_looked_at(study: Expe
         conductor.tell(EventKind.GAME_PLAYED, participant, conductor.begin(participant), data, "program")
     (told,) = back_up(study, tmp_path / "backup")
     assert "'../secret.bag'" in told
+
+
+def test_a_study_that_is_restored_still_admits_no_one_who_withdrew(study: ExperimentFolder, tmp_path: Path) -> None:
+    event, link = hashlib.sha256(b"event").digest(), hashlib.sha256(b"code").digest()
+    study.withdrawn_events.add([event])
+    study.withdrawn_links.add([link])
+    back_up(study, tmp_path / "backup")
+    shutil.rmtree(study.root)
+    restore(plan_restore(tmp_path / "backup", study.root))
+    assert study.withdrawn_events.read() == {event}
+    assert study.withdrawn_links.read() == {link}
 
 
 def test_the_copy_for_a_rehearsal_has_an_end(study: ExperimentFolder, tmp_path: Path) -> None:
