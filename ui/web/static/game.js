@@ -391,7 +391,7 @@ export class GamePage {
       return;
     }
     const focused = document.activeElement;
-    const onButton = focused instanceof HTMLButtonElement && this.element.contains(focused);
+    const onButton = focused instanceof HTMLButtonElement;
     if (onButton && name === "Enter") return;
     if (event.repeat && !REPEATING.has(name)) return;
     const known = this.page.keys.includes(name);
@@ -417,14 +417,16 @@ export class GamePage {
   }
 
   #step(focused, step) {
-    const region = focused.closest(".region, dialog") ?? this.element;
+    const region = focused.closest(".region, dialog, #strip, #message") ?? this.element;
     const all = [...region.querySelectorAll("button")].filter((each) => each.offsetParent);
     all[(all.indexOf(focused) + step + all.length) % all.length]?.focus();
   }
 
   #nextRegion(step) {
     const dialog = this.element.querySelector("dialog[open]");
-    const shown = dialog ? [dialog] : [...this.regions, this.parts.history].filter((region) => [...region.children].some((each) => each.offsetParent));
+    // The strip and messages of the researcher are above the game, and Tab has another meaning here.
+    const above = ["strip", "message"].map((id) => document.getElementById(id));
+    const shown = dialog ? [dialog] : [...above, ...this.regions, this.parts.history].filter((region) => [...region.children].some((each) => each.offsetParent));
     const at = shown.findIndex((region) => region.contains(document.activeElement));
     this.#focusRegion(shown[(at + step + shown.length) % shown.length]);
   }
