@@ -7,7 +7,7 @@ from pathlib import Path
 
 from axe_core_python.selenium import Axe
 from selenium import webdriver
-from selenium.common.exceptions import StaleElementReferenceException
+from selenium.common.exceptions import ElementClickInterceptedException, StaleElementReferenceException
 from selenium.webdriver.chrome.options import Options
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
@@ -17,6 +17,8 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 TIMEOUT = 60.0
 """Seconds for each step."""
+CHANGES = (StaleElementReferenceException, ElementClickInterceptedException)
+"""Errors after a change of the page between a look at it and a press."""
 MOST_STOPS = 80
 """Greatest number of presses of Tab until something has the focus."""
 FLAGS = ("--headless=new", "--no-sandbox", "--mute-audio", "--disable-dev-shm-usage")
@@ -59,7 +61,7 @@ class DrivenChromium:
             options.add_argument(flag)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         self.browser = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
-        self.how, self.faults = how, []
+        self.how, self.faults, self._covered = how, [], False
         self.resize(width, height)
         if how == "touch":
             self.browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
@@ -92,9 +94,7 @@ class DrivenChromium:
 
     def until(self, happened, seconds=TIMEOUT):
         """Wait for something; return it."""
-        return WebDriverWait(self.browser, seconds, 0.05, [StaleElementReferenceException]).until(
-            lambda _browser: happened()
-        )
+        return WebDriverWait(self.browser, seconds, 0.05, CHANGES).until(lambda _browser: happened())
 
     def text(self, selector):
         """Return the visible text of a selector."""
@@ -120,14 +120,22 @@ class DrivenChromium:
     # What the person does
 
     def press(self, element, across=0.5):
-        """Press an element, at a part of its width from the left."""
+        """Press an element, at a part of its width from the left.
+
+        Raises:
+            ElementClickInterceptedException: something covers it; if it still does at the next press, note a fault.
+        """
         if self.how == "keyboard":
             self.reach(element)
             self.type(Keys.SPACE)
             return
         place = self.run(PLACE, element, across)
-        if place["covered"]:
-            self.faults.append(f"{element.text!r} is covered by {place['covered']}")
+        covered = place["covered"] and f"{element.get_attribute('outerHTML')[:200]} is covered by {place['covered']}"
+        before, self._covered = self._covered, covered
+        if covered and covered != before:
+            raise ElementClickInterceptedException(covered)  # Something may have come up since the last look.
+        if covered:
+            self.faults.append(covered)
         if self.how == "touch":
             points = [{"x": place["x"], "y": place["y"]}]
             for kind, touched in (("touchStart", points), ("touchEnd", [])):
@@ -135,6 +143,11 @@ class DrivenChromium:
         else:
             offset = round((across - 0.5) * element.rect["width"])
             ActionChains(self.browser, duration=0).move_to_element_with_offset(element, offset, 0).click().perform()
+
+    def press_first(self, selector):
+        """Press the first visible element of a selector, if there is one."""
+        for element in self.shown(selector)[:1]:
+            self.press(element)
 
     def type(self, keys):
         """Press keys in the element that has the focus."""

@@ -10,55 +10,34 @@ import sys
 import time
 from contextlib import suppress
 
-from selenium import webdriver
-from selenium.common.exceptions import WebDriverException
-from selenium.webdriver.chrome.options import Options
-from selenium.webdriver.chrome.service import Service
-from selenium.webdriver.common.by import By
-from selenium.webdriver.common.keys import Keys
+from driven_chromium import CHANGES, DrivenChromium
 
 STATE = """
 return { rules: !!document.querySelector("dialog.help")?.open, lost: !document.getElementById("connection").hidden };
 """
 
 
-def pressed(browser, selector):
-    """Press the first visible and possible button of a selector; return False if there is none."""
-    with suppress(WebDriverException):
-        for each in browser.find_elements(By.CSS_SELECTOR, selector):
-            if each.is_displayed() and each.get_attribute("aria-disabled") != "true":
-                each.click()
-                return True
-    return False
-
-
-def begin(browser):
+def begin(person):
     """Go on from all pages until the game is shown."""
-    while not browser.find_elements(By.CSS_SELECTOR, ".tile"):
-        pressed(browser, ".reading button.main")
+    while not person.shown(".tile"):
+        with suppress(*CHANGES):
+            person.press_first(".reading button.main")
         time.sleep(0.1)
 
 
 def main():
-    options = Options()
-    options.binary_location = "/usr/bin/chromium"
-    for flag in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1280,800"):
-        options.add_argument(flag)
-    browser = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
-    try:
-        browser.get(sys.argv[1])
+    with DrivenChromium() as person:
+        person.browser.get(sys.argv[1])
         for line in sys.stdin:
             match line.strip():
                 case "begin":
-                    begin(browser)
+                    begin(person)
                 case "rules":
-                    browser.switch_to.active_element.send_keys(Keys.F1)
+                    person.press_key("F1")
                 case "quit":
                     break
-            cookies = [f"{each['name']}={each['value']}" for each in browser.get_cookies()]
-            print(json.dumps({**browser.execute_script(STATE), "cookie": "; ".join(cookies)}), flush=True)
-    finally:
-        browser.quit()
+            cookies = [f"{each['name']}={each['value']}" for each in person.browser.get_cookies()]
+            print(json.dumps({**person.run(STATE), "cookie": "; ".join(cookies)}), flush=True)
 
 
 main()

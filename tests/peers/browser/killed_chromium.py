@@ -6,64 +6,31 @@ number of lines in the end.
 """
 
 import json
-import os
-import signal
 import sys
 import time
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
-from selenium import webdriver
-from selenium.common.exceptions import WebDriverException
-from selenium.webdriver.chrome.options import Options
-from selenium.webdriver.chrome.service import Service
-from selenium.webdriver.common.by import By
+from driven_chromium import CHANGES, DrivenChromium
 
-PATIENCE = 60.0
 STATE = """
 const lines = [...document.querySelectorAll(".history li")].map((line) => line.textContent);
-return document.querySelector(".tile") ? lines : null;
+return document.querySelector(".tile") ? { lines } : null;
 """
 
 
-def opened(profile):
-    """Start Chromium; return its driver and its process."""
-    options = Options()
-    options.binary_location = "/usr/bin/chromium"
-    for flag in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", f"--user-data-dir={profile}"):
-        options.add_argument(flag)
-    browser = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
-    driver = browser.service.process.pid
-    # Any thread of the driver may have started it.
-    started = [each.read_text().split() for each in Path(f"/proc/{driver}/task").glob("*/children")]
-    return browser, int(next(process for processes in started for process in processes))
-
-
-def until(what, happened):
-    """Wait for something; return it."""
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
-        with suppress(WebDriverException):
-            if (found := happened()) is not None:
-                return found
-        time.sleep(0.05)
-    raise TimeoutError(what)
-
-
-def press(browser, selector):
-    """Press the first visible button of a selector, if there is one."""
-    with suppress(WebDriverException):
-        shown = [each for each in browser.find_elements(By.CSS_SELECTOR, selector) if each.is_displayed()]
-        if shown:
-            shown[0].click()
-
-
-def lines_of(browser, begins):
-    """Return the lines of the history; None before the game is shown. If `begins` is True, leave earlier pages."""
+def lines_of(person, begins):
+    """Return an object with the lines of the history; None before the game. If `begins` is True, leave other pages."""
     if begins:
-        press(browser, ".reading button.main")
-    return browser.execute_script(STATE)
+        press(person, ".reading button.main")
+    return person.run(STATE)
+
+
+def press(person, selector):
+    """Press a button, unless the page changes."""
+    with suppress(*CHANGES):
+        person.press_first(selector)
 
 
 def keeps(cookies):
@@ -76,20 +43,18 @@ def main():
     seconds, lost, before = [], [], []
     for number in range(kills + 1):
         began = time.monotonic()
-        browser, process = opened(profile)
-        browser.get(f"http://127.0.0.1:{port}/")
-        after = until("the game", partial(lines_of, browser, number == 0))
+        person = DrivenChromium(profile=profile)
+        person.browser.get(f"http://127.0.0.1:{port}/")
+        after = person.until(partial(lines_of, person, number == 0))["lines"]
         seconds.append(round(time.monotonic() - began, 2))
         lost += [line for line in before if line not in after]
-        until("the cookie", partial(keeps, profile / "Default" / "Cookies"))
-        press(browser, ".tile")
+        person.until(partial(keeps, profile / "Default" / "Cookies"))
+        press(person, ".tile")
         time.sleep(1.0)
-        press(browser, ".pops .answers button")
+        press(person, ".pops .answers button")
         time.sleep(1.0)
-        before = lines_of(browser, False)
-        os.kill(process, signal.SIGKILL)
-        with suppress(Exception):
-            browser.service.stop()
+        before = lines_of(person, False)["lines"]
+        person.kill()
     print(json.dumps({"seconds": seconds[1:], "lost": lost, "lines": len(before)}))
 
 

@@ -10,8 +10,7 @@ import json
 import sys
 import time
 
-from driven_chromium import DrivenChromium
-from selenium.common.exceptions import StaleElementReferenceException
+from driven_chromium import CHANGES, DrivenChromium
 from selenium.webdriver.common.keys import Keys
 
 LOOKING = 0.45
@@ -60,7 +59,7 @@ class StudyPerson(DrivenChromium):
                 elif code := self.shown(".code"):
                     self.look("end")
                     return code[0].text.replace(" ", "")
-            except (StaleElementReferenceException, IndexError):
+            except (*CHANGES, IndexError):
                 pass  # The page has changed between two looks at it.
 
     def leave(self, button):

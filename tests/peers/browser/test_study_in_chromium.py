@@ -1,4 +1,4 @@
-"""A whole study in Debian's Chromium: by mouse, by keyboard alone, and by touch on a phone; axe-core judges each page."""
+"""A whole study in Debian's Chromium: by mouse, keyboard alone, and touch on a phone; axe-core judges each page."""
 
 import csv
 import json
