@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Mapping
-from contextlib import suppress
+from contextlib import AsyncExitStack, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
@@ -40,6 +40,8 @@ from ui.web.pool.messages import (
 from ui.web.pool.pool import MOST_DEATHS, DeathCount, WorkerDied, WorkerPool
 from ui.web.pool.study_game import StudyGame
 
+LATE = 3.0
+"""Seconds without a worker after which the person sees that their game will come back."""
 LOOK = 0.1
 """Seconds between two looks if the person has left the game."""
 
@@ -168,7 +170,13 @@ class PooledGames:
                 case _:
                     pass
 
-        async with self._pool.enter(key, request, self._window.show, news) as game:
+        entering = self._pool.enter(key, request, self._window.show, news)
+        late = asyncio.create_task(self._say_when_late(comes_back=request.goes_on))
+        async with AsyncExitStack() as stack:
+            try:
+                game = await stack.enter_async_context(entering)
+            finally:
+                late.cancel()
             self._window.play(game)
             looking = asyncio.create_task(_look(watcher, game.leave))
             try:
@@ -182,6 +190,12 @@ class PooledGames:
                 looking.cancel()
                 with suppress(asyncio.CancelledError):
                     await looking
+
+    async def _say_when_late(self, *, comes_back: bool) -> None:
+        """Tell the person after a while that their interrupted game comes back."""
+        await asyncio.sleep(LATE)
+        if comes_back:
+            await self._pages.show(GamePrepared(0, self._pages.texts.text("kiosk.game_comes_back")))
 
 
 def game_key(run: Run, step: PlannedStep) -> str:

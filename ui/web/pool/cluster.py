@@ -156,16 +156,26 @@ async def check_cluster(scheduler: str, served: Path) -> None:
     Raises:
         ClusterUnfit: they cannot.
     """
+    scheme = scheduler.rpartition("://")[0]
+    if scheme not in {"", "tcp", "tls"}:
+        raise ClusterUnfit(f"--scheduler {scheduler}: the address must begin with tcp:// or tls://.")
     try:
-        async with _client(scheduler, Security()) as client:
+        security = Security()
+        if scheme == "tls" and security.get_connection_args("client")["ssl_context"] is None:
+            raise ClusterUnfit(
+                f"--scheduler {scheduler}: this computer has no certificate of the cluster. Name it in Dask's "
+                "settings, for example in DASK_DISTRIBUTED__COMM__TLS__CLIENT__CERT; see `thbridge docs sweeps`."
+            )
+        async with _client(scheduler, security) as client:
             for worker in await client.nthreads():
                 if problem := await _problem(client, served, worker):
                     raise ClusterUnfit(f"--scheduler {scheduler}: games cannot be played on {problem}")
     except _FAULTS as error:
-        reason = f"No Dask scheduler answers at {scheduler} ({error})."
-        remedy = "Start a scheduler with `dask scheduler`, and workers with `dask worker ADDRESS`."
-        tls = "If it uses TLS, its address begins with tls://, and Dask's settings name your certificate"
-        raise ClusterUnfit(f"{reason} {remedy} {tls}; see `thbridge docs sweeps`.") from None
+        raise ClusterUnfit(
+            f"No Dask scheduler answers at {scheduler} ({error}). Start a scheduler with `dask scheduler`, and workers "
+            "with `dask worker ADDRESS`. If the scheduler uses TLS, begin the address with tls://, and use a "
+            "certificate of the same authority; see `thbridge docs sweeps`."
+        ) from None
 
 
 def _client(scheduler: str, security: Security) -> Client:
