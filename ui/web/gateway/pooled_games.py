@@ -192,7 +192,7 @@ class PooledGames:
                     await looking
 
     async def _say_when_late(self, *, comes_back: bool) -> None:
-        """Tell the person after a while that their interrupted game comes back."""
+        """Show the person after a while that their interrupted game comes back."""
         await asyncio.sleep(LATE)
         if comes_back:
             await self._pages.show(GamePrepared(0, self._pages.texts.text("kiosk.game_comes_back")))

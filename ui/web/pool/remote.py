@@ -100,7 +100,7 @@ def unfit(expected: Mapping[str, str], probe: Path) -> str:
                 "Install the same versions on all machines"
             )
     if not probe.exists():
-        return f"{probe.parent} is not the folder of this machine. Share the folder under the same path"
+        return f"{probe.parent} is another folder there, or missing. Share the folder under the same path"
     if not os.access(probe.parent, os.W_OK):
         return f"{probe.parent} cannot be written there. Start its Dask workers from the account of this server"
     return ""

@@ -65,6 +65,10 @@ def test_a_game_is_watched_by_a_command_and_a_key_that_may_only_watch_has_no_act
     assert [action.label for action in rows[0].actions] == ["Message", "Watch game", "Stop run", "Exclude"]
     assert "Watch game" not in [action.label for action in rows[1].actions]
     assert rows[1].command == "thbridge watch 127.0.0.1:7"
+    assert rows[1].note == "Run this command on the machine of the study:"
+    remote = PersonNow("here", None, 0, plays=True, watch="thbridge watch 127.0.0.1:7", watch_host="10.0.0.2")
+    row = next(row for row in maker.page(STATE, now(remote)).tables[0].rows if row.key == "P-UNDER_WAY")
+    assert row.note == "This game runs on another machine. Run this command on 10.0.0.2:"
     difference = patch(before, after)
     assert difference is not None and len(str(difference)) < 1000
     viewed = maker.page(STATE, now(PersonNow("here", None, 0, plays=True), may_act=False))

@@ -1,7 +1,9 @@
 """Running games, as the next server of the same folder finds them, and people who wait for a game."""
 
+import asyncio
 import tempfile
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 
@@ -9,8 +11,21 @@ from tests.support.programs.commands import invoke
 from thbridge.files.errors import BadFile
 from ui.web.gateway.game_queue import GameQueue
 from ui.web.pool.messages import WorkerResult
-from ui.web.pool.pool import WorkerPool
-from ui.web.pool.running_games import RunningGames
+from ui.web.pool.pool import GameNotStarted, WorkerPool
+from ui.web.pool.running_games import RunningGames, WorkerAddress
+from ui.web.pool.worker import GameRequest
+
+
+class RoomyHosts:
+    """Other machines that start nothing."""
+
+    rooms: ClassVar[dict[str, int]] = {"10.0.0.2": 3}
+
+    async def start(self, host: str, key: str, request: GameRequest) -> WorkerAddress:
+        raise GameNotStarted
+
+    async def connect(self, address: WorkerAddress) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+        raise TimeoutError
 
 
 @pytest.fixture
@@ -27,6 +42,21 @@ def test_a_game_is_running_while_its_worker_lives_and_has_only_one_worker(games:
     assert not [*games]
     games.tidy()
     assert not [*games.folder.iterdir()]
+
+
+def test_a_game_on_another_machine_is_found_by_the_next_server_and_takes_no_room_here(games: RunningGames) -> None:
+    address = WorkerAddress("tls://10.0.0.2:4711", "secret", 7)
+    games.place_remotely("P-ABCDE-2-1", address)
+    again = RunningGames(games.folder)
+    assert [*again] == ["P-ABCDE-2-1"]
+    assert again.address("P-ABCDE-2-1") == address
+    assert again.remote_host("P-ABCDE-2-1") == "10.0.0.2"
+    pool = WorkerPool(again, 1, RoomyHosts())
+    assert (pool.playing, pool.free) == (1, 3)
+    again.tidy()
+    assert [*again] == ["P-ABCDE-2-1"]
+    again.end_remotely("P-ABCDE-2-1")
+    assert (pool.playing, pool.free) == (0, 4)
 
 
 def test_a_result_waits_for_the_next_server_until_it_is_in_the_log(games: RunningGames) -> None:
