@@ -3,6 +3,7 @@
 import asyncio
 import os
 import re
+import shutil
 import signal
 import subprocess
 from functools import partial
@@ -128,6 +129,7 @@ def test_a_game_on_a_machine_that_vanishes_goes_on_on_another_one(tmp_path: Path
             server.stop()
         finally:
             server.close()
+            shutil.rmtree(running.folder)
     events = [entry.event for entry in ExperimentFolder(study).entries() if isinstance(entry, LoggedEvent)]
     kinds = [event.kind for event in events]
     assert kinds.count(EventKind.GAME_PLAYED) == 1

@@ -14,7 +14,7 @@ from distributed import Client, Security
 
 from thbridge.app.compose.machine import versions
 from ui.web.pool.messages import LONGEST_LINE
-from ui.web.pool.pool import GameNotStarted, WorkerDied
+from ui.web.pool.pool import HostLeft, WorkerDied
 from ui.web.pool.remote import RemoteGame, keep_alive, start, unfit, warm_up
 from ui.web.pool.running_games import WorkerAddress
 from ui.web.pool.worker import GameRequest
@@ -71,24 +71,35 @@ class ClusterHosts:
             watching.cancel()
             await asyncio.gather(watching, return_exceptions=True)
 
-    async def start(self, host: str, key: str, request: GameRequest) -> WorkerAddress:
+    async def start(self, host: str, key: str, request: GameRequest) -> WorkerAddress | None:
         """See `RemoteHosts`."""
         worker = next((each for each in self._ready if _host(each) == host), None)
         if worker is None or self._client is None:
-            raise GameNotStarted
+            self._leave(host)
+            raise HostLeft
+        try:
+            # The scheduler may not know yet that the Dask worker has died.
+            async with asyncio.timeout(CONNECT_SECONDS):
+                (await _dial(host, urlsplit(worker).port or 0)).close()
+        except OSError:
+            self._leave(host)
+            raise HostLeft from None
         game = RemoteGame(request, key, self._served)
         try:
             async with asyncio.timeout(START_SECONDS):
                 started: dict[str, WorkerAddress | None] = await self._client.run(start, game, workers=[worker])
         except Exception as error:
             _log.warning("no game starts on %s: %r", worker, error)
-            # It is welcomed again at the next look, if it still answers.
+            self._leave(host)
+            raise WorkerDied from None
+        return started[worker]
+
+    def _leave(self, host: str) -> None:
+        """Use a host again only after it has been welcomed again."""
+        self.rooms = {each: room for each, room in self.rooms.items() if each != host}
+        for worker in [each for each in self._ready if _host(each) == host]:
             self._ready.discard(worker)
             self._welcomes.pop(worker, None)
-            raise WorkerDied from None
-        if (address := started[worker]) is None:
-            raise GameNotStarted
-        return address
 
     async def connect(self, address: WorkerAddress) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
         """See `RemoteHosts`."""

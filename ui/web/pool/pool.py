@@ -84,8 +84,8 @@ class WorkerDied(Exception):  # noqa: N818 - the game is resumed
     """The worker's process has ended without a result."""
 
 
-class GameNotStarted(WorkerDied):
-    """The other machine has not started the game."""
+class HostLeft(Exception):  # noqa: N818 - the game starts elsewhere
+    """The other machine does not answer any more, and has not received the game."""
 
 
 class RemoteHosts(Protocol):
@@ -95,11 +95,11 @@ class RemoteHosts(Protocol):
     def rooms(self) -> Mapping[str, int]:
         """Greatest number of games on each host at present."""
 
-    async def start(self, host: str, key: str, request: GameRequest) -> WorkerAddress:
-        """Start a game on a host, unless it is running there.
+    async def start(self, host: str, key: str, request: GameRequest) -> WorkerAddress | None:
+        """Start a game on a host, unless it is running there; return None if its worker has died at once.
 
         Raises:
-            GameNotStarted: the game does not run there.
+            HostLeft: the host has not received the game, and has no room from now on.
             WorkerDied: the host does not answer, and may have started the game.
         """
 
@@ -318,10 +318,16 @@ class WorkerPool:
         shown = f"[{host}]" if ":" in host else host
         self.games.place_remotely(key, WorkerAddress(f"tcp://{shown}:0", "", 0))
         try:
-            self.games.place_remotely(key, await self._remote.start(host, key, request))
-        except GameNotStarted:
+            address = await self._remote.start(host, key, request)
+        except HostLeft:
             self.games.end_remotely(key)
-            raise
+            del self._entered[key]
+            await self._start(key, request)
+            return
+        if address is None:
+            self.games.end_remotely(key)
+            raise WorkerDied
+        self.games.place_remotely(key, address)
 
     async def _roomiest(self) -> str:
         """Return the host with most room; a game that must be resumed may have to wait until there is room again."""

@@ -5,6 +5,7 @@ The other machines are further addresses of this one.
 
 import asyncio
 import os
+import shutil
 import signal
 from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
@@ -93,7 +94,10 @@ def test_a_game_on_another_machine_outlives_its_dask_worker_and_goes_on_elsewher
 
     with dask_cluster(tmp_path) as cluster:
         cluster.schedule("--host", "127.0.0.1")
-        asyncio.run(asyncio.wait_for(run(cluster), 280))
+        try:
+            asyncio.run(asyncio.wait_for(run(cluster), 280))
+        finally:
+            shutil.rmtree(running.folder)
     events = [entry.event for entry in ExperimentFolder(study).entries() if isinstance(entry, LoggedEvent)]
     kinds = [event.kind for event in events]
     assert kinds.count(EventKind.GAME_PLAYED) == 1

@@ -11,7 +11,7 @@ from tests.support.programs.commands import invoke
 from thbridge.files.errors import BadFile
 from ui.web.gateway.game_queue import GameQueue
 from ui.web.pool.messages import WorkerResult
-from ui.web.pool.pool import GameNotStarted, WorkerPool
+from ui.web.pool.pool import HostLeft, WorkerPool
 from ui.web.pool.running_games import RunningGames, WorkerAddress
 from ui.web.pool.worker import GameRequest
 
@@ -22,7 +22,7 @@ class RoomyHosts:
     rooms: ClassVar[dict[str, int]] = {"10.0.0.2": 3}
 
     async def start(self, host: str, key: str, request: GameRequest) -> WorkerAddress:
-        raise GameNotStarted
+        raise HostLeft
 
     async def connect(self, address: WorkerAddress) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
         raise TimeoutError
