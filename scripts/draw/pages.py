@@ -140,7 +140,7 @@ def main() -> None:
         parser.error(
             "the gallery shows English pages with text of 100 %; choose a folder for other pictures with --into"
         )
-    language.speak(options.language)
+    language.speak(options.language, in_browser=True)
     only = frozenset(options.only or GROUPS)
     groups = {
         slug: [name for name in shown if slug in only or name in only]
