@@ -153,7 +153,6 @@ GROUPS: Mapping[str, tuple[str, Mapping[str, str]]] = {
             "kiosk-before-debriefing": "a person has stopped",
             "kiosk-debriefing": "the debriefing",
             "kiosk-left": "the end for a person who stopped",
-            "kiosk-stopped": "the researcher has stopped the program",
         },
     ),
     "errors": (
