@@ -102,8 +102,9 @@ def test_a_game_on_a_machine_that_vanishes_goes_on_on_another_one(tmp_path: Path
 
         # The other machine vanishes. The game waits until its process there has surely ended.
         cluster.join("--nthreads", "1", "--host", HERE, by=cable.here_by)
+        before = browser.whole_pages
         cable.set(cut=True)
-        browser.tree = {}
+        await browser.until(lambda: browser.whole_pages > before, 200.0)
         await in_game(browser)
         other = worker_of(running)
         assert other is not None

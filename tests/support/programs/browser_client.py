@@ -30,6 +30,7 @@ class BrowserClient:
         tree: tree of the game's page; empty before.
         texts: all text that it has received, to be searched.
         host: host of the gateway.
+        whole_pages: number of complete pages of games.
         replies: number of replies of the game to acts and keys.
         dial: function that returns a socket connected to the gateway, for a browser on another machine.
         tab: name of the tab.
@@ -43,6 +44,7 @@ class BrowserClient:
     tree: dict[str, Any] = field(default_factory=dict)
     texts: list[str] = field(default_factory=list)
     number: int = 0
+    whole_pages: int = 0
     replies: int = 0
     tab: str = field(default_factory=lambda: secrets.token_hex(8))
     visible: bool = True
@@ -227,6 +229,7 @@ class BrowserClient:
                 case "page":
                     self.tree = applied(self.tree, message["p"])
                     self.number = message["n"]
+                    self.whole_pages += "v" in message["p"]
                     self.replies += message.get("reply", False)
                     self._painted.set()
                     await self.send({"t": "painted", "n": self.number, "at": self.now})

@@ -44,9 +44,10 @@ def test_a_sleeping_copy_continues_the_game_of_a_killed_worker(tmp_path: Path) -
             await browser.act(browser.tree["tiles"][0]["choose"]["act"])
             await browser.until(lambda: browser.tree["dialogue"] and browser.tree["dialogue"]["choices"])
             said = browser.tree["dialogue"]["sentences"][-1]
+            before = browser.whole_pages
             os.kill(worker.process, signal.SIGKILL)
-            browser.tree = {}
-            await browser.until(lambda: browser.tree.get("dialogue") and browser.tree["dialogue"]["choices"])
+            await browser.until(lambda: browser.whole_pages > before)
+            await browser.until(lambda: browser.tree["dialogue"] and browser.tree["dialogue"]["choices"])
             assert browser.tree["dialogue"]["sentences"][-1] == said
             woken = running.address(key)
             assert woken is not None

@@ -79,9 +79,10 @@ def test_a_game_on_another_machine_outlives_its_dask_worker_and_goes_on_elsewher
             said = browser.tree["dialogue"]["sentences"][-1]
 
             # The process and its sleeping copies: the machine has ended all its programs.
+            before = browser.whole_pages
             os.killpg(worker.process, signal.SIGKILL)
-            browser.tree = {}
-            await browser.until(lambda: browser.tree.get("dialogue") and browser.tree["dialogue"]["choices"])
+            await browser.until(lambda: browser.whole_pages > before)
+            await browser.until(lambda: browser.tree["dialogue"] and browser.tree["dialogue"]["choices"])
             assert browser.tree["dialogue"]["sentences"][-1] == said
             assert {(await the_worker(running, browser)).host} == {*joined}
             await asyncio.sleep(0.4)

@@ -123,10 +123,9 @@ def test_a_game_whose_worker_is_killed_is_resumed_where_it_was(folder: Path) -> 
         (key,) = running
         killed = running.address(key)
         assert killed is not None
-        joined = [message["t"] for message in browser.study].count("game")
+        before = browser.whole_pages
         os.kill(killed.process, signal.SIGKILL)
-        await browser.until(lambda: [message["t"] for message in browser.study].count("game") > joined)
-        browser.tree = {}
+        await browser.until(lambda: browser.whole_pages > before)
         await browser.until(lambda: browser.tree.get("dialogue") and browser.tree["dialogue"]["choices"])
         times.append(browser.tree["dialogue"]["title"])
 
