@@ -39,14 +39,20 @@ _CODES = {"Tab": 9, "Enter": 13, "Escape": 27, "ArrowUp": 38, "ArrowDown": 40}
 class Chromium:
     """Browser with one tab.
 
+    Args:
+        profile: folder of the browser's profile, which keeps its cookies; a temporary one by default.
+
     Attributes:
         messages: events that the browser has reported, oldest first.
     """
 
-    def __init__(self) -> None:
-        self._folder = tempfile.TemporaryDirectory(prefix="chromium-", ignore_cleanup_errors=True)
+    def __init__(self, profile: Path | None = None) -> None:
+        self._temporary = tempfile.TemporaryDirectory(prefix="chromium-", ignore_cleanup_errors=True)
+        self._profile = Path(self._temporary.name) if profile is None else profile
+        # A browser that was killed has left the file.
+        self._ports.unlink(missing_ok=True)
         self._process = subprocess.Popen(
-            [CHROMIUM, *_FLAGS, f"--user-data-dir={self._folder.name}", "about:blank"],
+            [CHROMIUM, *_FLAGS, f"--user-data-dir={self._profile}", "about:blank"],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
@@ -69,7 +75,13 @@ class Chromium:
         self._open.close()
         self._process.terminate()
         self._process.wait(30)
-        self._folder.cleanup()
+        self._temporary.cleanup()
+
+    def kill(self) -> None:
+        """Kill the browser."""
+        self._process.kill()
+        self._open.close()
+        self._process.wait(30)
 
     def command(self, method: str, **parameters: object) -> dict[str, Any]:
         """Send a command of the DevTools protocol; return its result."""
@@ -109,9 +121,13 @@ class Chromium:
         self.command("Network.clearBrowserCookies")
         self.command("Network.setBlockedURLs", urls=list(blocked))
         script = self.command("Page.addScriptToEvaluateOnNewDocument", source=before)["identifier"]
+        self.come_back(address)
+        self.command("Page.removeScriptToEvaluateOnNewDocument", identifier=script)
+
+    def come_back(self, address: str) -> None:
+        """Open an address with the cookies so far."""
         self.command("Page.navigate", url=address)
         self.until("document.readyState === 'complete' && location.protocol !== 'about:'")
-        self.command("Page.removeScriptToEvaluateOnNewDocument", identifier=script)
 
     def resize(self, width: int, height: int, *, touch: bool = False) -> None:
         """Give the page a size in pixels; with `touch`, as on a phone."""
@@ -147,8 +163,12 @@ class Chromium:
         except RuntimeError:
             return False  # The page is being replaced, or an element does not exist yet.
 
+    @property
+    def _ports(self) -> Path:
+        return self._profile / "DevToolsActivePort"
+
     def _port(self) -> int:
-        file, end = Path(self._folder.name) / "DevToolsActivePort", time.monotonic() + 60
+        file, end = self._ports, time.monotonic() + 60
         while time.monotonic() < end:
             if file.exists() and (lines := file.read_text().split()):
                 return int(lines[0])
