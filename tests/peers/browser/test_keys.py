@@ -87,11 +87,11 @@ def test_a_key_without_an_act_stays_with_the_browser(server: StateServer, browse
 def test_f6_visits_all_regions_and_comes_back(server: StateServer, browser: Chromium) -> None:
     show(server, browser, "dialogue")
     visited = []
-    for _ in range(7):
+    for _ in range(8):
         browser.press("F6")
         visited.append(browser.evaluate("document.activeElement.closest('[aria-label]').ariaLabel"))
-    assert len(set(visited[:6])) == 6
-    assert visited[6] == visited[0]
+    assert len(set(visited[:7])) == 7
+    assert visited[7] == visited[0]
 
 
 def test_arrow_keys_lead_into_the_answers(server: StateServer, browser: Chromium) -> None:

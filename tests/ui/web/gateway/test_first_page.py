@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from tests.support.programs.browser_client import BrowserClient
+from tests.support.studies.served_games import scenario
 from tests.support.studies.served_study import served
-from tests.ui.web.gateway.test_serving import scenario
 from thbridge.files.language_texts import shipped_texts
 from ui.model.kiosk import GameNews, GameToJoin, ResearcherMessage
 from ui.web.gateway.browser_window import BrowserWindow

@@ -1,41 +1,10 @@
 """Games in browsers: real sockets, real worker processes, and programs in place of browsers."""
 
 import asyncio
-import socket
-from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 
 from tests.support.programs.browser_client import BrowserClient
-from thbridge.study.study_file import ServerSection, Study
-from ui.web.gateway.serving import ServerOptions, serve_games
-
-STUDY = Study(map="practice", templates="practice", robots=1, rate=10.0, server=ServerSection(port=0))
-
-
-@asynccontextmanager
-async def served(folder: Path) -> AsyncIterator[int]:
-    """Serve games of the study; yield the port."""
-    listening = socket.create_server(("127.0.0.1", 0))
-    ready = asyncio.Event()
-    options = ServerOptions(listening, 2, None, ready.set)
-    bags = iter(range(100))
-    serving = asyncio.create_task(serve_games(STUDY, None, lambda: folder / f"{next(bags)}.bag", print, options))
-    await asyncio.wait([serving, asyncio.create_task(ready.wait())], return_when=asyncio.FIRST_COMPLETED)
-    try:
-        yield listening.getsockname()[1]
-    finally:
-        serving.cancel()
-        with suppress(asyncio.CancelledError):
-            await serving
-
-
-def scenario(folder: Path, play: Callable[[int], Awaitable[None]]) -> None:
-    async def run() -> None:
-        async with served(folder) as port:
-            await play(port)
-
-    asyncio.run(asyncio.wait_for(run(), 300.0))
+from tests.support.studies.served_games import scenario
 
 
 async def in_game(port: int) -> BrowserClient:
