@@ -358,6 +358,7 @@ class _Hunt:
         self._close_recorded(logged)
         self._server.drop_connections()
         self.pacer.restart()
+        self._checkpoint_due = self._session.tick  # This process may be killed soon, too.
         if self._where is not None:
             self._ready(self._where)
 

@@ -16,6 +16,7 @@ from thbridge.roles.shared.view import ParticipantRequest
 from thbridge.sockets.reconnecting import ConnectionLost
 from ui.model.playing.answer_guard import AnswerGuard
 from ui.model.playing.keys import act_for
+from ui.model.playing.memory.history import KeptLines
 from ui.model.playing.participant import ComposedScreen, Participant
 from ui.model.playing.practice import advice
 from ui.model.playing.screen import Act, DeclineConsentAct, GoOnFromGame, Phase, ShowSettings
@@ -90,6 +91,7 @@ class GameSeat:
         texts: texts until the game has sent its own.
         practice: True for the practice game.
         once: True if only one game is played, and another part of a study follows.
+        kept: lines of the history from an earlier process of the game. If None, there is no earlier process.
         acted: function that receives the kind of each act, and the age of the page on which the person acted, in
             milliseconds.
         clock: monotonic clock, seconds.
@@ -107,13 +109,14 @@ class GameSeat:
         *,
         practice: bool = False,
         once: bool = True,
+        kept: KeptLines | None = None,
         acted: Callable[[str, float], None] = lambda _act, _view_age: None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._clock = clock
         self._practice = practice
         self._acted = acted
-        self._model = Participant(texts=texts, once=once)
+        self._model = Participant(texts=texts, once=once, kept=kept)
         self._events: list[ReceivedEvent] = []
         self._connection = connect(self._events.append)
         self._maker = BrowserPageMaker(self._picture_id)

@@ -85,7 +85,7 @@ class _Game:
     def __init__(self, window: BrowserWindow, shown: ShownGame, received: Callable[[str], None]) -> None:
         self._window, self._shown, self.pass_on = window, shown, received
 
-    def join(self) -> None:
+    def join(self, *, again: bool = False) -> None:
         """Show everything."""
         shown = self._shown
         if shown.floor is not None:

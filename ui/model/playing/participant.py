@@ -13,6 +13,7 @@ from thbridge.timing.wall_clock import utc_now
 from ui.model.playing.acts import do
 from ui.model.playing.compose import compose, next_change, with_motions
 from ui.model.playing.marks import MapMarks
+from ui.model.playing.memory.history import GameHistory, KeptLines
 from ui.model.playing.memory.popup_queue import DestinationItem, TreasureItem
 from ui.model.playing.memory.state import DrawnState, HuntMemory, ParticipantMemory
 from ui.model.playing.motion import MotionPlayback
@@ -44,6 +45,7 @@ class Participant:
         can_sound: True if the computer can play sounds.
         once: True if only one game is played, and another part of a study follows.
         texts: texts until the game sends other texts. If None, the texts are English.
+        kept: lines of the history from a program that showed the game before. If None, there is no such program.
     """
 
     def __init__(
@@ -54,6 +56,7 @@ class Participant:
         sound_on: bool = True,
         can_sound: bool = True,
         once: bool = False,
+        kept: KeptLines | None = None,
     ) -> None:
         self._memory = ParticipantMemory(
             texts=shipped_texts() if texts is None else texts,
@@ -61,6 +64,7 @@ class Participant:
             sound_on=sound_on,
             can_sound=can_sound,
             once=once,
+            history=GameHistory(kept),
         )
         self._playback = MotionPlayback()
         self._marks: MapMarks | None = None

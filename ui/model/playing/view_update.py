@@ -23,7 +23,7 @@ from thbridge.roles.shared.view import (
     View,
 )
 from thbridge.text_protocol.wire.notice_format import kind_of
-from ui.model.playing.memory.history import GameHistory, stopped_words
+from ui.model.playing.memory.history import stopped_words
 from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.memory.state import (
     DepartUndecided,
@@ -164,7 +164,7 @@ def _begin(memory: ParticipantMemory, view: View) -> None:
     hunt = HuntMemory(memory.texts, view)
     hunt.most_energy = max((robot.energy for robot in view.robots), default=0.0)
     if memory.hunt is not None:
-        memory.history = GameHistory()
+        memory.history = memory.history.following()
         if memory.hunt.view.game == view.game:
             memory.pictures.forget()
     memory.hunt = hunt

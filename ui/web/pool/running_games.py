@@ -17,7 +17,7 @@ from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
 from ui.web.pool.messages import WorkerResult
 
-_GAME, _RESULT, _SOCKET, _REMOTE = ".game", ".result", ".sock", ".remote"
+_GAME, _RESULT, _SOCKET, _REMOTE, _HISTORY = ".game", ".result", ".sock", ".remote", ".history"
 _RESULTS = msgspec.json.Decoder(WorkerResult)
 _OTHERS = 0o077
 _DIGEST = 16
@@ -158,9 +158,14 @@ class RunningGames:
         """Keep the result of a game until `forget`."""
         write_whole(self._result(key), msgspec.json.encode(result), mode=0o600)
 
+    def history(self, key: str) -> Path:
+        """Return the path of a game's history, which the next process of the game continues."""
+        return self.folder / f"{key}{_HISTORY}"
+
     def forget(self, key: str) -> None:
-        """Delete the result of a game, because it is in the log."""
-        self._result(key).unlink(missing_ok=True)
+        """Delete the result and the history of a game, because the result is in the log."""
+        for path in (self._result(key), self.history(key)):
+            path.unlink(missing_ok=True)
 
     def tidy(self) -> None:
         """Delete the files of workers that have died."""

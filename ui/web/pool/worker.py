@@ -29,6 +29,7 @@ from ui.hosting.lobby import WILDCARD_ADDRESSES
 from ui.sources.game import GameConnection
 from ui.web.page.messages import FROM_GAME_PAGE
 from ui.web.page.patches import Json
+from ui.web.pool.history_file import HistoryFile
 from ui.web.pool.messages import (
     LONGEST_LINE,
     TO_WORKER,
@@ -41,6 +42,7 @@ from ui.web.pool.messages import (
     GatewayHello,
     PersonActed,
     PersonLeft,
+    RecordingBrokenOff,
     ResultKept,
     SeatDeclined,
     SeatSeenOver,
@@ -126,6 +128,7 @@ class Worker:
         token: secret of the worker.
         open_socket: function that opens the worker's socket.
         record: file in which the address of the worker is found.
+        history: file with the history of the game, for the next process; None for a game that is never resumed.
         keep: function that keeps the result, also if no gateway is connected. If None, a gateway must keep it.
 
     Attributes:
@@ -138,10 +141,12 @@ class Worker:
         token: str,
         open_socket: OpenSocket,
         record: IO[bytes],
+        history: HistoryFile | None,
         keep: Callable[[WorkerResult], None] | None,
     ) -> None:
         self.checkpoints = SleepingCopies(record, self._wake_up)
         self._record = record
+        self._history = history
         self._request = request
         self._address = WorkerAddress("", token, os.getpid())
         self._open_socket = open_socket
@@ -256,6 +261,7 @@ class Worker:
             request.texts(),
             practice=request.practice,
             once=request.once,
+            kept=self._history,
             acted=lambda act, view_age: self.report(PersonActed(act, view_age)),
         )
         self._seat, self._seated = seat, asyncio.create_task(seat.run())
@@ -347,6 +353,8 @@ class Worker:
 
     def note(self, message: FromWorker) -> None:
         """See `SeatOfGame`."""
+        if isinstance(message, RecordingBrokenOff) and self._history is not None:
+            self._history.clear()  # The game could not be resumed, and begins again.
         self._state.append(message)
         self.report(message)
 
@@ -383,7 +391,8 @@ def work(request: GameRequest, folder: Path, key: str, open_socket: OpenSocket |
         return await asyncio.start_unix_server(serve, path, limit=LONGEST_LINE), str(path)
 
     keep = partial(games.keep, key) if open_socket is None else None
-    worker = Worker(request, token, open_socket or open_here, record, keep)
+    history = None if request.practice else HistoryFile(games.history(key))
+    worker = Worker(request, token, open_socket or open_here, record, history, keep)
     # Copies of this process would share a selector that the system keeps, such as epoll.
     with record, asyncio.Runner(loop_factory=lambda: asyncio.SelectorEventLoop(selectors.PollSelector())) as runner:
         try:

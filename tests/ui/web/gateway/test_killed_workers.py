@@ -3,6 +3,7 @@
 import asyncio
 import os
 import signal
+from collections.abc import Iterable
 from pathlib import Path
 
 from tests.support.programs.browser_client import BrowserClient
@@ -12,7 +13,7 @@ from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.events import EventKind, LoggedEvent
 from thbridge.recording.journal import journal_path, read_journal
 from thbridge.recording.recordings import journal_of
-from ui.web.pool.running_games import RunningGames
+from ui.web.pool.running_games import RunningGames, WorkerAddress
 
 STUDY = """\
 title: Killed workers
@@ -23,6 +24,34 @@ consent_elsewhere: People agreed before.
 steps:
   - {step: trial, name: game, max_seconds: 3000}
 """
+
+
+def lines(browser: BrowserClient) -> list[str]:
+    """Return the lines of the history."""
+    return [each["text"] for each in browser.tree["history"]]
+
+
+def copies(worker: WorkerAddress) -> list[int]:
+    """Return the sleeping copies of a worker."""
+    children = Path(f"/proc/{worker.process}/task/{worker.process}/children")
+    return [*map(int, children.read_text().split())] if children.exists() else []
+
+
+async def back(browser: BrowserClient, processes: Iterable[int]) -> None:
+    """Kill processes of a game, and wait until the browser receives a complete page."""
+    before = browser.whole_pages
+    for process in processes:
+        os.kill(process, signal.SIGKILL)
+    await browser.until(lambda: browser.whole_pages > before)
+
+
+async def talking(browser: BrowserClient) -> None:
+    """Begin the game, and ask a robot to go to a room."""
+    await browser.press_button()
+    await browser.until(lambda: browser.tree.get("phase") == "playing" and browser.tree["tiles"])
+    await asyncio.sleep(0.4)
+    await browser.act(browser.tree["tiles"][0]["choose"]["act"])
+    await browser.until(lambda: browser.tree["dialogue"] and browser.tree["dialogue"]["choices"])
 
 
 def test_a_sleeping_copy_continues_the_game_of_a_killed_worker(tmp_path: Path) -> None:
@@ -37,22 +66,24 @@ def test_a_sleeping_copy_continues_the_game_of_a_killed_worker(tmp_path: Path) -
             (key,) = running
             worker = running.address(key)
             assert worker is not None
-            children = Path(f"/proc/{worker.process}/task/{worker.process}/children")
-            await browser.until(lambda: children.read_text().split())
+            await browser.until(lambda: copies(worker))
             # What is done now is not in the copy, but in the log of inputs.
             await asyncio.sleep(0.4)
             await browser.act(browser.tree["tiles"][0]["choose"]["act"])
             await browser.until(lambda: browser.tree["dialogue"] and browser.tree["dialogue"]["choices"])
-            said = browser.tree["dialogue"]["sentences"][-1]
-            before = browser.whole_pages
-            os.kill(worker.process, signal.SIGKILL)
-            await browser.until(lambda: browser.whole_pages > before)
-            await browser.until(lambda: browser.tree["dialogue"] and browser.tree["dialogue"]["choices"])
-            assert browser.tree["dialogue"]["sentences"][-1] == said
-            woken = running.address(key)
-            assert woken is not None
-            assert woken.process != worker.process
-            assert woken.token == worker.token, "another worker, not a copy, has resumed the game"
+            said, history = browser.tree["dialogue"]["sentences"][-1], lines(browser)
+            for _ in range(2):
+                # A copy that has woken has a copy of its own at once.
+                await browser.until(lambda each=worker: copies(each))
+                await back(browser, [worker.process])
+                await browser.until(lambda: browser.tree["dialogue"] and browser.tree["dialogue"]["choices"])
+                assert browser.tree["dialogue"]["sentences"][-1] == said
+                assert lines(browser) == history
+                woken = running.address(key)
+                assert woken is not None
+                assert woken.process != worker.process
+                assert woken.token == worker.token, "another worker, not a copy, has resumed the game"
+                worker = woken
             await asyncio.sleep(0.4)
             await browser.act(browser.tree["dialogue"]["aside"]["act"])
             await browser.until(lambda: browser.tree["dialogue"] is None)
@@ -70,3 +101,30 @@ def test_a_sleeping_copy_continues_the_game_of_a_killed_worker(tmp_path: Path) -
     # The checksums of a journal are chained, so a repeated or missing event would be an error.
     assert read_journal(journal_path(journal_of(bag), 1)).state.ended is not None
     assert run_thbridge(tmp_path, "replay", str(bag)).returncode == 0
+
+
+def test_the_history_is_kept_when_another_worker_resumes_the_game(tmp_path: Path) -> None:
+    (tmp_path / "experiment.yaml").write_text(STUDY)
+    running = RunningGames.of(tmp_path)
+
+    async def run() -> None:
+        async with served(tmp_path, running) as (port, _):
+            browser = await BrowserClient.arrived(port)
+            await talking(browser)
+            await asyncio.sleep(0.4)
+            await browser.act(browser.tree["dialogue"]["choices"][0]["act"])
+            await browser.until(lambda: browser.tree["treasure"])
+            history = lines(browser)
+            (key,) = running
+            worker = running.address(key)
+            assert worker is not None
+            await back(browser, [*copies(worker), worker.process])
+            await browser.until(lambda: browser.tree["treasure"])
+            resumed = running.address(key)
+            assert resumed is not None
+            assert resumed.token != worker.token, "a copy has continued the game"
+            assert lines(browser) == history
+            await browser.close()
+            os.kill(resumed.process, signal.SIGKILL)
+
+    asyncio.run(asyncio.wait_for(run(), 280))

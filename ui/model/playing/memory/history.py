@@ -1,8 +1,8 @@
 """Sentences about the events and dialogues of a game, for the history and for screen readers."""
 
 from collections import deque
-from collections.abc import Iterator
-from typing import Literal
+from collections.abc import Iterator, Sequence
+from typing import Literal, Protocol
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.properties import Teller, values_in_words
@@ -18,11 +18,42 @@ SpokenLine = tuple[Literal["robot", "you"], str]
 """Speaker of a sentence, and the sentence."""
 
 
-class GameHistory:
-    """History of one game, and sentences that screen readers have not read out yet."""
+class KeptLines(Protocol):
+    """Lines of a game's history, kept for the next program that shows the same game."""
 
-    def __init__(self) -> None:
-        self._lines: deque[HistoryLine] = deque(maxlen=MAX_LINES)
+    def read(self) -> Sequence[HistoryLine]:
+        """Return the lines that an earlier program has kept, oldest first."""
+
+    def add(self, line: HistoryLine) -> None:
+        """Keep a line."""
+
+    def clear(self) -> None:
+        """Drop all lines, because another game begins."""
+
+
+class _NoLines:
+    """Lines of a program that is the only one to show its game."""
+
+    def read(self) -> Sequence[HistoryLine]:
+        return ()
+
+    def add(self, line: HistoryLine) -> None:
+        pass
+
+    def clear(self) -> None:
+        pass
+
+
+class GameHistory:
+    """History of one game, and sentences that screen readers have not read out yet.
+
+    Args:
+        kept: lines of a program that showed the game before. If None, there is no such program.
+    """
+
+    def __init__(self, kept: KeptLines | None = None) -> None:
+        self._kept = kept or _NoLines()
+        self._lines: deque[HistoryLine] = deque(self._kept.read(), MAX_LINES)
         # Number of sentences in the history, for each open dialogue.
         self._known_sentences: dict[int, int] = {}
         self._announcements: list[str] = []
@@ -33,6 +64,11 @@ class GameHistory:
     def lines(self) -> tuple[HistoryLine, ...]:
         """Lines of the history, oldest line first."""
         return tuple(self._lines)
+
+    def following(self) -> "GameHistory":
+        """Return the empty history of the next game."""
+        self._kept.clear()
+        return GameHistory(self._kept)
 
     def take_announcements(self) -> str:
         """Return the sentences for screen readers since the last call; empty if there are none."""
@@ -65,7 +101,9 @@ class GameHistory:
 
         `Participant` describes `once`.
         """
-        if before is None:
+        if before is None and self._lines:
+            self._known_sentences = {each.dialogue: self._number_known(each) for each in view.dialogues}
+        elif before is None:
             self._begin(texts, view, once=once)
         else:
             for was, now in zip(before.robots, view.robots, strict=True):
@@ -113,8 +151,23 @@ class GameHistory:
                 self._announcements.append(texts.text("history.robot_says", robot=dialogue.robot, sentence=sentence))
         self._known_sentences[dialogue.dialogue] = max(known, len(sentences))
 
+    def _number_known(self, dialogue: DialogueView) -> int:
+        """Return the number of a dialogue's sentences that an earlier program has kept."""
+        said = [each for each in self._lines if each.robot == dialogue.robot and each.speaker != "game"]
+        sentences = spoken(dialogue)
+        for count in range(min(len(sentences), len(said)), 0, -1):
+            # The words of the participant's opening sentence may differ.
+            pairs = enumerate(zip(said[-count:], sentences, strict=False))
+            if all(
+                line.speaker == who and (line.text == text or (index == 0 and who == "you"))
+                for index, (line, (who, text)) in pairs
+            ):
+                return count
+        return 0
+
     def _append(self, speaker: Literal["robot", "you", "game"], robot: int | None, text: str) -> None:
         self._lines.append(HistoryLine(speaker, robot, text))
+        self._kept.add(self._lines[-1])
 
 
 def says(dialogue: DialogueView, choice: int) -> bool:
