@@ -87,12 +87,14 @@ def receive_tick(hunt: HuntMemory, tick: int) -> bool:
     """Process the newest tick of the simulation; return True if another second of the game has passed.
 
     The clock stops at the end of the game. If the window joins a game after the first game while the game is already in
-    progress, the clock starts at that moment.
+    progress, the clock starts at that moment. The first game is in progress if a room was visited, or if an earlier
+    program showed it.
     """
     if hunt.view.over is not None:
         return False
     before = hunt.seconds
-    joined_first = hunt.view.game == 1 and any(room.state != "unvisited" for room in hunt.view.rooms)
+    in_progress = hunt.is_continued or any(room.state != "unvisited" for room in hunt.view.rooms)
+    joined_first = hunt.view.game == 1 and in_progress
     began = hunt.ticks[0] if hunt.ticks is not None else 0 if joined_first else tick
     hunt.ticks = min(began, tick), tick
     return hunt.seconds != before
@@ -161,7 +163,7 @@ def _can_look(hunt: HuntMemory, room: RoomView) -> bool:
 
 
 def _begin(memory: ParticipantMemory, view: View) -> None:
-    hunt = HuntMemory(memory.texts, view)
+    hunt = HuntMemory(memory.texts, view, is_continued=memory.hunt is None and bool(memory.history.lines))
     hunt.most_energy = max((robot.energy for robot in view.robots), default=0.0)
     if memory.hunt is not None:
         memory.history = memory.history.following()

@@ -4,8 +4,11 @@ import asyncio
 import fcntl
 import os
 import signal
+import socket
+import stat
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 from typing import IO
 
 _DROPPED = b"d"
@@ -83,3 +86,24 @@ class SleepingCopies:
         if is_dropped:
             os._exit(0)
         self._pulse, self._ended = None, []
+
+
+def shut_accepted(listening: socket.socket) -> None:
+    """Shut down all connections that were accepted at a socket, for a copy that wakes.
+
+    The process that was killed has read from them. The copy, and copies of the copy, still have them open, also those
+    that the event loop has just accepted. So the other side would never find out that the process was killed.
+    """
+    for entry in Path("/proc/self/fd").iterdir():
+        with suppress(OSError):
+            if not stat.S_ISSOCK(entry.stat().st_mode):
+                continue
+            with socket.socket(fileno=os.dup(int(entry.name))) as each:
+                is_accepted = not each.getsockopt(socket.SOL_SOCKET, socket.SO_ACCEPTCONN)
+                if is_accepted and _place(each.getsockname()) == _place(listening.getsockname()):
+                    each.shutdown(socket.SHUT_RDWR)
+
+
+def _place(name: object) -> object:
+    """Return the path of a socket, or its port: a socket that listens on all addresses has another host."""
+    return name[1] if isinstance(name, tuple) else name

@@ -7,7 +7,8 @@ import os
 import secrets
 import selectors
 import signal
-from collections.abc import Awaitable, Callable
+import socket
+from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
@@ -53,7 +54,7 @@ from ui.web.pool.messages import (
     encode_line,
 )
 from ui.web.pool.running_games import RunningGames, WorkerAddress
-from ui.web.pool.sleeping_copies import SleepingCopies
+from ui.web.pool.sleeping_copies import SleepingCopies, shut_accepted
 from ui.web.seat import GameSeat
 
 _log = logging.getLogger(__name__)
@@ -152,6 +153,7 @@ class Worker:
         self._open_socket = open_socket
         self._keep = keep
         self._result_kept = asyncio.Event()
+        self._listening: Sequence[socket.socket] = ()
         self._gateway: asyncio.StreamWriter | None = None
         self._connected = asyncio.Event()
         self._seat: GameSeat | None = None
@@ -167,8 +169,9 @@ class Worker:
 
     async def run(self) -> None:
         """Play the game, and report its result to the gateway."""
-        server, socket = await self._open_socket(self._serve)
-        self._address = structs.replace(self._address, socket=socket)
+        server, path = await self._open_socket(self._serve)
+        self._listening = server.sockets
+        self._address = structs.replace(self._address, socket=path)
         self._write_address()
         async with server:
             watching = asyncio.create_task(self._watch_gateway())
@@ -216,10 +219,10 @@ class Worker:
         self._write_address()
         # The threads of the other process do not exist here.
         asyncio.get_running_loop().set_default_executor(ThreadPoolExecutor())
-        gateway, self._gateway = self._gateway, None
+        for each in self._listening:
+            shut_accepted(each)
+        self._gateway = None
         self._connected.clear()
-        if gateway is not None:
-            gateway.transport.abort()
         if self._seated is not None:
             self._seated.cancel()
         self._seat, self._seated, self._browser = None, None, False

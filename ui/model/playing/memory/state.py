@@ -98,6 +98,7 @@ class HuntMemory:
         read: numbers of ended dialogues whose last sentences the participant has read.
         reading: number of the ended dialogue in the pop-up shown; None if there is no ended dialogue.
         verdict_read: room of the verdict in the pop-up shown; None if there is no verdict.
+        is_continued: True if an earlier program showed the beginning of the game.
     """
 
     texts: Texts
@@ -119,6 +120,7 @@ class HuntMemory:
     read: set[int] = field(default_factory=set)
     reading: int | None = None
     verdict_read: int | None = None
+    is_continued: bool = False
 
     def __post_init__(self) -> None:
         self.receive(self.view)
