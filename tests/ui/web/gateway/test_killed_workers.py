@@ -2,6 +2,7 @@
 
 import asyncio
 import os
+import re
 import signal
 from collections.abc import Iterable
 from pathlib import Path
@@ -29,6 +30,12 @@ steps:
 def lines(browser: BrowserClient) -> list[str]:
     """Return the lines of the history."""
     return [each["text"] for each in browser.tree["history"]]
+
+
+def clock(browser: BrowserClient) -> str:
+    """Return the time in the game, minutes and seconds."""
+    (found,) = re.findall(r"\d+:\d\d", browser.tree["progress"])
+    return found.rjust(6)
 
 
 def copies(worker: WorkerAddress) -> list[int]:
@@ -103,7 +110,7 @@ def test_a_sleeping_copy_continues_the_game_of_a_killed_worker(tmp_path: Path) -
     assert run_thbridge(tmp_path, "replay", str(bag)).returncode == 0
 
 
-def test_the_history_is_kept_when_another_worker_resumes_the_game(tmp_path: Path) -> None:
+def test_history_and_clock_go_on_when_another_worker_resumes_the_game(tmp_path: Path) -> None:
     (tmp_path / "experiment.yaml").write_text(STUDY)
     running = RunningGames.of(tmp_path)
 
@@ -114,7 +121,7 @@ def test_the_history_is_kept_when_another_worker_resumes_the_game(tmp_path: Path
             await asyncio.sleep(0.4)
             await browser.act(browser.tree["dialogue"]["choices"][0]["act"])
             await browser.until(lambda: browser.tree["treasure"])
-            history = lines(browser)
+            history, time = lines(browser), clock(browser)
             (key,) = running
             worker = running.address(key)
             assert worker is not None
@@ -124,6 +131,7 @@ def test_the_history_is_kept_when_another_worker_resumes_the_game(tmp_path: Path
             assert resumed is not None
             assert resumed.token != worker.token, "a copy has continued the game"
             assert lines(browser) == history
+            await browser.until(lambda: clock(browser) >= time)
             await browser.close()
             os.kill(resumed.process, signal.SIGKILL)
 

@@ -22,16 +22,21 @@ def test_all_accepted_connections_are_shut_down_and_no_others(family: socket.Add
         made.settimeout(20)
         return made
 
-    with listening("first") as first, listening("second") as second:
-        with connected(first) as shut, connected(second) as other, connected(first) as later:
-            (accepted, _), (kept, _) = first.accept(), second.accept()
-            shut_accepted(first)
-            assert shut.recv(1) == b""
-            kept.sendall(b"k")
-            assert other.recv(1) == b"k"
-            # A connection that nobody has accepted yet is served.
-            waiting, _ = first.accept()
-            waiting.sendall(b"w")
-            assert later.recv(1) == b"w"
-            for each in (accepted, kept, waiting):
-                each.close()
+    with (
+        listening("first") as first,
+        listening("second") as second,
+        connected(first) as shut,
+        connected(second) as other,
+        connected(first) as later,
+    ):
+        (accepted, _), (kept, _) = first.accept(), second.accept()
+        shut_accepted(first)
+        assert shut.recv(1) == b""
+        kept.sendall(b"k")
+        assert other.recv(1) == b"k"
+        # A connection that nobody has accepted yet is served.
+        waiting, _ = first.accept()
+        waiting.sendall(b"w")
+        assert later.recv(1) == b"w"
+        for each in (accepted, kept, waiting):
+            each.close()
