@@ -45,6 +45,8 @@ window.WebSocket = class extends Plain {
 };
 """
 """JavaScript that counts the complete pages of a game: the page receives one when it comes back to the game."""
+TWO_FRAMES = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
+"""JavaScript that waits until the page is painted: keys before that have no effect."""
 PLAYING = "document.querySelector('.game .playing .tile')?.checkVisibility()"
 RULES = "!!document.querySelector('dialog.help')?.open"
 HISTORY = "[...document.querySelectorAll('.history li')].map((line) => line.textContent)"
@@ -95,6 +97,7 @@ class Player:
         began = time.monotonic()
         kill()
         self.browser.until(f"window.complete > 0 && {PLAYING}")
+        self.browser.evaluate(TWO_FRAMES)
         self._do_key("F1", RULES)
         seconds = time.monotonic() - began
         self._do_key("F1", f"!({RULES})")
