@@ -180,17 +180,17 @@ async def serve_study(
     entry = StudyEntry(design.file.recruiting, codes, conductor, tickets, place.withdrawn_links.read())
     problems = [report]
 
-    def tell(problem: str) -> None:
+    def report_to_all(problem: str) -> None:
         for each in problems:
             each(problem)
 
-    async with _pool(options, tell) as pool:
+    async with _pool(options, report_to_all) as pool:
         queue = GameQueue(pool)
-        visits = StudyVisits(place.root, design, conductor, clock, pool, queue, tickets, tell)
+        visits = StudyVisits(place.root, design, conductor, clock, pool, queue, tickets, report_to_all)
         desk = ServedDesk(design, conductor, visits, lambda: (pool.playing, pool.free), visits.texts)
         problems.append(desk.report)
         drain = DrainPort(pool.games, queue)
-        watching = asyncio.create_task(PresenceWatch(design.file.presence, conductor, visits.here, tell).run())
+        watching = asyncio.create_task(PresenceWatch(design.file.presence, conductor, visits.here, report_to_all).run())
         try:
             visitors = Visitors(visits.visit, visits.window, entry, visits.greet, begins_again=True)
             await serve_visitors(visitors, visits.texts, options, drain, desk)

@@ -111,13 +111,13 @@ class ClusterHosts:
         return await asyncio.open_connection(sock=connection, ssl=context, server_hostname=name, limit=LONGEST_LINE)
 
     async def _watch(self) -> None:
-        told = False
+        reported = False
         while True:
             try:
                 async with _client(self._scheduler, self._security) as self._client:
                     while self._client.status == "running":
                         await self._look(self._client)
-                        told = False
+                        reported = False
                         await asyncio.sleep(LOOK_SECONDS)
             except Exception as error:
                 _log.info("the Dask scheduler does not answer: %r", error)
@@ -126,8 +126,8 @@ class ClusterHosts:
                     task.cancel()
                 self._client, self.rooms = None, {}
                 self._ready, self._welcomes = set(), {}
-            if not told:
-                told = True
+            if not reported:
+                reported = True
                 self._report(f"The Dask scheduler {self._scheduler} does not answer. Games start only on this machine.")
             await asyncio.sleep(LOOK_SECONDS)
 

@@ -113,7 +113,7 @@ class _WarmProgram:
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
 
-    def tell(self, message: object) -> None:
+    def send(self, message: object) -> None:
         """Send a message to the program, which is started if necessary, and wait until it has acted on it."""
         with self._lock:
             if self._process is None or self._process.poll() is not None:
@@ -131,7 +131,7 @@ _warm = _WarmProgram()
 
 async def warm_up() -> None:
     """Compile what is missing on this machine, and load all code."""
-    await asyncio.to_thread(_warm.tell, None)
+    await asyncio.to_thread(_warm.send, None)
 
 
 async def start(game: RemoteGame, dask_worker: DaskWorker) -> WorkerAddress | None:
@@ -145,7 +145,7 @@ async def start(game: RemoteGame, dask_worker: DaskWorker) -> WorkerAddress | No
     if not running.is_running(game.key):
         await asyncio.to_thread(running.tidy)
         tls = dask_worker.security if place.scheme == "tls" else None
-        await asyncio.to_thread(_warm.tell, (game, place.hostname, tls))
+        await asyncio.to_thread(_warm.send, (game, place.hostname, tls))
     with suppress(TimeoutError):
         async with asyncio.timeout(ADDRESS_TIMEOUT):
             while running.is_running(game.key):

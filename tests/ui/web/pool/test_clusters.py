@@ -15,7 +15,7 @@ from ui.web.pool.cluster import ClusterUnfit, check_cluster
 
 
 @pytest.mark.parametrize(
-    ("scheduler", "told"),
+    ("scheduler", "reason"),
     [
         ("foo://127.0.0.1:9", "the address must begin with tcp:// or tls://"),
         ("tls://127.0.0.1:9", "this computer has no certificate of the cluster"),
@@ -23,10 +23,10 @@ from ui.web.pool.cluster import ClusterUnfit, check_cluster
     ],
 )
 def test_a_cluster_that_cannot_be_used(
-    scheduler: str, told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    scheduler: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster, "CONNECT_SECONDS", 0.5)
-    with pytest.raises(ClusterUnfit, match=told):
+    with pytest.raises(ClusterUnfit, match=reason):
         asyncio.run(check_cluster(scheduler, tmp_path))
 
 
@@ -35,7 +35,7 @@ def test_a_machine_with_other_versions_or_another_folder(tmp_path: Path) -> None
     probe = tmp_path / "probe"
     probe.touch()
     assert unfit(here, probe) == ""
-    told = unfit({**here, "numpy": "1.0"}, probe)
-    assert told.startswith(f"numpy is {here['numpy']} there, and 1.0 here")
+    reason = unfit({**here, "numpy": "1.0"}, probe)
+    assert reason.startswith(f"numpy is {here['numpy']} there, and 1.0 here")
     assert unfit({**here, "pyzero": "1"}, probe).startswith("pyzero is not installed there, and 1 here")
     assert "Share the folder under the same path" in unfit(here, tmp_path / "other")
