@@ -7,7 +7,11 @@ from pathlib import Path
 
 from axe_core_python.selenium import Axe
 from selenium import webdriver
-from selenium.common.exceptions import ElementClickInterceptedException, StaleElementReferenceException
+from selenium.common.exceptions import (
+    ElementClickInterceptedException,
+    ElementNotInteractableException,
+    StaleElementReferenceException,
+)
 from selenium.webdriver.chrome.options import Options
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
@@ -17,7 +21,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 TIMEOUT = 60.0
 """Seconds for each step."""
-CHANGES = (StaleElementReferenceException, ElementClickInterceptedException)
+CHANGES = (StaleElementReferenceException, ElementClickInterceptedException, ElementNotInteractableException)
 """Errors after a change of the page between a look at it and a press."""
 MOST_STOPS = 80
 """Greatest number of presses of Tab until something has the focus."""
@@ -37,9 +41,10 @@ target.scrollIntoView({ block: "center", behavior: "instant" });
 const box = target.getBoundingClientRect();
 const at = { x: box.x + across * box.width, y: box.y + box.height / 2 };
 const top = document.elementFromPoint(at.x, at.y);
-return { ...at, covered: !!top && !target.contains(top) && !top.contains(target) && top.outerHTML.slice(0, 200) };
+const covered = !!top && !target.contains(top) && !top.contains(target) && top.outerHTML.slice(0, 200);
+return { ...at, gone: !box.width, covered };
 """
-"""Script that returns a place on an element, and what covers it there; false if nothing does."""
+"""Script that returns a place on an element, whether it is gone, and what covers it there; false if nothing does."""
 
 
 class DrivenChromium:
@@ -124,12 +129,15 @@ class DrivenChromium:
 
         Raises:
             ElementClickInterceptedException: something covers it; if it still does at the next press, note a fault.
+            ElementNotInteractableException: it is not shown any more.
         """
         if self.how == "keyboard":
             self.reach(element)
             self.type(Keys.SPACE)
             return
         place = self.run(PLACE, element, across)
+        if place["gone"]:
+            raise ElementNotInteractableException("the page has changed")
         covered = place["covered"] and f"{element.get_attribute('outerHTML')[:200]} is covered by {place['covered']}"
         before, self._covered = self._covered, covered
         if covered and covered != before:
