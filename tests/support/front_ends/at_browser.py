@@ -130,7 +130,7 @@ def read_page(page: dict[str, Any]) -> Shown:
         shown.put("facts", _facts(pop))
         shown.put("picture", pop["picture"] and "picture")
     if pop := page["treasure"]:
-        asked = (fact["asked"] for fact in pop["facts"])
+        asked = (f"{fact['asked']} {fact['key']}".strip() for fact in pop["facts"])
         shown.put("treasure", pop["title"], pop["talk"], *asked, pop["asking"])
         shown.put("facts", _facts(pop) or pop["nothing"])
         shown.put("picture", "picture" if pop["picture"] else "" if pop["take"] else pop["unseen"])

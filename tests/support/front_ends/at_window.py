@@ -152,9 +152,11 @@ def _read_help(sheet: TitledPanel, texts: Texts, shown: Shown) -> None:
     rules, effects = texts_below[:count], texts_below[count:]
     # A browser has Ctrl+Tab and Ctrl+Q for itself.
     part, *_, close = window_keys(texts)
-    lines = [(key, effect) for key, effect in zip(keys, effects, strict=True) if (key, effect) != close]
+    # It has another key for the next part, and calls itself a page.
+    in_browser = ("F6", texts.text("browser.pages.key_next_part"))
+    lines = [line for line in zip(keys, effects, strict=True) if line != close]
     shown.put("rules", *rules)
-    shown.put("help", *(f"{'F6' if (key, effect) == part else key} {effect}" for key, effect in lines))
+    shown.put("help", *(" ".join(in_browser if line == part else line) for line in lines))
 
 
 def _buttons(window: QWidget) -> list[ParticipantButton]:
