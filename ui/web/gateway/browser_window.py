@@ -47,6 +47,7 @@ class BrowserWindow:
     def __init__(self, texts: Texts) -> None:
         self.has_place = False
         self.watch_port, self.watch_host = 0, ""
+        self._watched = False
         self._maker = StudyPageMaker(texts)
         self._kept: list[ToKiosk] = []
         self._requests: asyncio.Queue[FromKiosk] = asyncio.Queue()
@@ -88,6 +89,8 @@ class BrowserWindow:
         self._game, self.watch_port = game, 0
         if game is not None and self._send_text is not None:
             game.join()
+        if game is not None and self._watched:
+            game.watch()
 
     def note_seen_over(self) -> None:
         """Report to the study that the browser shows the end of the game."""
@@ -108,7 +111,8 @@ class BrowserWindow:
         return self._game is not None
 
     def watch_game(self) -> None:
-        """Let researchers' windows connect to the person's game, if there is one."""
+        """Let researchers' windows connect to the person's game, and to the person's next games."""
+        self._watched = True
         if self._game is not None:
             self._game.watch()
 

@@ -80,7 +80,7 @@ def drain(games: RunningGames, report: Callable[[str], None]) -> bool:
             return False
         with suppress(ConnectionError), connection.makefile("rb") as lines:
             for line in lines:
-                report(_told(_NAMES.decode(line)))
+                report(_sentence(_NAMES.decode(line)))
     games.await_server()
     return True
 
@@ -89,7 +89,7 @@ def _path(games: RunningGames) -> Path:
     return games.folder / "drain.sock"
 
 
-def _told(keys: Iterable[str]) -> str:
+def _sentence(keys: Iterable[str]) -> str:
     """Return a sentence about the people who play."""
     named = []
     for key in keys:

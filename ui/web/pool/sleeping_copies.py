@@ -6,7 +6,7 @@ import os
 import signal
 import socket
 import stat
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from contextlib import suppress
 from pathlib import Path
 from typing import IO
@@ -24,13 +24,9 @@ class SleepingCopies:
     Args:
         record: file of the worker. A copy that wakes locks it, so that only one copy continues.
         woke: called first in a copy that wakes.
-
-    Attributes:
-        allowed: False while no copies are made, because this process has connections that a copy could not continue.
     """
 
     def __init__(self, record: IO[bytes], woke: Callable[[], None]) -> None:
-        self.allowed = True
         self._record = record
         self._woke = woke
         self._pulse: int | None = None
@@ -39,8 +35,6 @@ class SleepingCopies:
 
     def take(self) -> bool:
         """Make a copy of this process, and end the earlier copy; return True in a copy that wakes."""
-        if not self.allowed:
-            return False
         loop = asyncio.get_running_loop()
         alive, pulse = os.pipe()
         signal.pthread_sigmask(signal.SIG_BLOCK, _DEFERRED)
@@ -88,8 +82,11 @@ class SleepingCopies:
         self._pulse, self._ended = None, []
 
 
-def shut_accepted(listening: socket.socket) -> None:
-    """Shut down all connections that were accepted at a socket, for a copy that wakes.
+def shut_accepted(places: Collection[str | int]) -> None:
+    """Shut down all connections that were accepted at listening sockets, for a copy that wakes.
+
+    Args:
+        places: places of the sockets, as `place_of` returns them.
 
     The process that was killed has read from them. The copy, and copies of the copy, still have them open, also those
     that the event loop has just accepted. So the other side would never find out that the process was killed.
@@ -100,10 +97,11 @@ def shut_accepted(listening: socket.socket) -> None:
                 continue
             with socket.socket(fileno=os.dup(int(entry.name))) as each:
                 is_accepted = not each.getsockopt(socket.SOL_SOCKET, socket.SO_ACCEPTCONN)
-                if is_accepted and _place(each.getsockname()) == _place(listening.getsockname()):
+                if is_accepted and place_of(each) in places:
                     each.shutdown(socket.SHUT_RDWR)
 
 
-def _place(name: object) -> object:
+def place_of(listening: socket.socket) -> str | int:
     """Return the path of a socket, or its port: a socket that listens on all addresses has another host."""
+    name: str | tuple[str, int] = listening.getsockname()
     return name[1] if isinstance(name, tuple) else name

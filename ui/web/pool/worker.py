@@ -7,8 +7,7 @@ import os
 import secrets
 import selectors
 import signal
-import socket
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
@@ -54,7 +53,7 @@ from ui.web.pool.messages import (
     encode_line,
 )
 from ui.web.pool.running_games import RunningGames, WorkerAddress
-from ui.web.pool.sleeping_copies import SleepingCopies, shut_accepted
+from ui.web.pool.sleeping_copies import SleepingCopies, place_of, shut_accepted
 from ui.web.seat import GameSeat
 
 _log = logging.getLogger(__name__)
@@ -153,12 +152,14 @@ class Worker:
         self._open_socket = open_socket
         self._keep = keep
         self._result_kept = asyncio.Event()
-        self._listening: Sequence[socket.socket] = ()
+        # Sockets at which other programs connect to this process: the gateway, and researchers' windows.
+        self._places: set[str | int] = set()
         self._gateway: asyncio.StreamWriter | None = None
         self._connected = asyncio.Event()
         self._seat: GameSeat | None = None
         self._seated: asyncio.Task[None] | None = None
         self._browser = False
+        self._watch_wanted = False
         self._start_watching: StartServer | None = None
         self._watching: asyncio.Task[None] | None = None
         self._stream = 0
@@ -170,7 +171,7 @@ class Worker:
     async def run(self) -> None:
         """Play the game, and report its result to the gateway."""
         server, path = await self._open_socket(self._serve)
-        self._listening = server.sockets
+        self._places |= {place_of(each) for each in server.sockets}
         self._address = structs.replace(self._address, socket=path)
         self._write_address()
         async with server:
@@ -219,8 +220,7 @@ class Worker:
         self._write_address()
         # The threads of the other process do not exist here.
         asyncio.get_running_loop().set_default_executor(ThreadPoolExecutor())
-        for each in self._listening:
-            shut_accepted(each)
+        shut_accepted(self._places)
         self._gateway = None
         self._connected.clear()
         if self._seated is not None:
@@ -242,16 +242,20 @@ class Worker:
 
     def _keep_start(self, start: StartServer) -> None:
         self._start_watching = start
+        self._start_watch_server()
+
+    def _start_watch_server(self) -> None:
+        """Start the server for researchers' windows, unless it is running, or the game has not begun yet."""
+        if self._watch_wanted and self._start_watching is not None and self._watching is None:
+            self._watching = asyncio.create_task(self._watch(self._start_watching))
 
     async def _watch(self, start: StartServer) -> None:
         """Let researchers' windows connect to the game."""
-        # If this process is killed from now on, the game is resumed from its log of inputs.
-        self.checkpoints.allowed = False
-        self.checkpoints.drop()
         where = await start()
         if isinstance(where, CannotListen):
             _log.warning("%s", where)
         else:
+            self._places.add(where.port)
             self.note(GameWatched(where.port))
 
     def ready(self, where: ListeningAddress) -> None:
@@ -341,8 +345,9 @@ class Worker:
                 self._left = True
             case ResultKept():
                 self._result_kept.set()
-            case WatchWanted() if self._start_watching is not None and self._watching is None:
-                self._watching = asyncio.create_task(self._watch(self._start_watching))
+            case WatchWanted():
+                self._watch_wanted = True
+                self._start_watch_server()
             case _:
                 pass
 

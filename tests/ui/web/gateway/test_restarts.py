@@ -111,7 +111,7 @@ def test_a_drained_server_starts_nothing_ends_after_its_games_and_is_the_only_on
         answer = await drained
         assert answer.returncode == 0
         assert "Still playing: P-" in answer.stderr
-        assert served.program.process.wait(20) == 0
+        assert served.program.process.wait(90) == 0
         await asyncio.gather(first.close(), waiting.close(), newcomer.close())
 
     with ServedProgram(study, "--games", "1") as served:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from ui.web.pool.sleeping_copies import shut_accepted
+from ui.web.pool.sleeping_copies import place_of, shut_accepted
 
 
 @pytest.mark.parametrize("family", [socket.AF_UNIX, socket.AF_INET])
@@ -30,7 +30,7 @@ def test_all_accepted_connections_are_shut_down_and_no_others(family: socket.Add
         connected(first) as later,
     ):
         (accepted, _), (kept, _) = first.accept(), second.accept()
-        shut_accepted(first)
+        shut_accepted({place_of(first)})
         assert shut.recv(1) == b""
         kept.sendall(b"k")
         assert other.recv(1) == b"k"
