@@ -120,9 +120,10 @@ class PlayingPerson:
                 additional_headers={"Cookie": self._cookie},
                 open_timeout=PATIENCE,
             )
+        end = time.monotonic() + seconds
         try:
             while True:
-                self._answer(json.loads(self._socket.recv(timeout=seconds)))
+                self._answer(json.loads(self._socket.recv(timeout=max(end - time.monotonic(), 0.0))))
                 self._heard = time.monotonic()
         except TimeoutError:
             if time.monotonic() - self._heard > SILENCE:
