@@ -138,7 +138,7 @@ class HuntSession:
         self._open = ExitStack()
         self._closed = False
         self._team = build_team(setting)
-        programs = build_programs(setting, self._tabui, team=self._team)
+        programs = build_programs(setting, (self._tabui,), team=self._team)
         recording = NOT_RECORDED
         if record is not None:
             recording = self._recording(Path(record), programs.names, PROGRAM if participant is None else participant)

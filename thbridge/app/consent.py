@@ -124,7 +124,7 @@ def introduction(setting: StudySetting) -> list[TextMessage]:
     The messages are made by a separate session with the same robots, to which no program connects.
     """
     newcomer = _Newcomer()
-    session = open_session(setting, Programs(robots=build_simr(setting), participant=newcomer))
+    session = open_session(setting, Programs(robots=build_simr(setting), participants=(newcomer,)))
     while not newcomer.has_view and session.tick < TICKS_PER_SECOND:
         session.step()
     return newcomer.received

@@ -252,7 +252,9 @@ class _Hunt:
     ) -> None:
         self._setting, self._options, self._links, self._ready = setting, options, links, ready
         self._team = build_team(setting)
-        self._programs = build_programs(setting, participant, options.outside, self._team)
+        self._programs = build_programs(
+            setting, () if participant is None else (participant,), options.outside, self._team
+        )
         self.pacer = Pacer(options.rate, pause_abandoned=options.left)
         self._server = TextServer(admission=Admission.to(setting.study.open_to), keys=options.keys)
         outlets = SessionOutlets(self._server.perform)
@@ -264,7 +266,7 @@ class _Hunt:
         recording = SessionRecording([self._recording], self._recording, run)
         self._session = open_session(setting, self._programs, recording, outlets)
         self._graph = _GraphStation(self._session)
-        asks = setting.consent and self._programs.participant is None
+        asks = setting.consent and not self._programs.participants
         self._desk = ConsentDesk(self._session.router, introduction(setting)) if asks else None
         self._inputs: InputLog | None = None
         self._journals: JournalStore | None = None
@@ -291,7 +293,7 @@ class _Hunt:
         setting, options, session = self._setting, self._options, self._session
         publisher = build_publisher(setting)
         has_vehicles = setting.study.mavlink.on
-        who = options.participant if self._programs.participant is not None else ""
+        who = options.participant if self._programs.participants else ""
         opening = build_record(setting, PLAY, self._programs.names, who)
         audience = await opened.enter_async_context(
             listeners(
@@ -369,7 +371,7 @@ class _Hunt:
         def tick() -> bool:
             if waiting[0].tick == session.tick:
                 for item in waiting.popleft().inputs:
-                    give(session, None, item)
+                    give(session, {}, item)
             progress(self._step())
             self._ending.reached(session)
             return bool(waiting)
@@ -413,8 +415,8 @@ class _Hunt:
     def _tick(self, progress: Callable[[TickRecord], None]) -> bool:
         now = self._step()
         # Refusals to a participant in this process are not logged, because the window or terminal shows them.
-        inside = self._programs.participant
-        refusals = (each for each in now.refusals if inside is None or each.program != inside.name)
+        inside = {role.name for role in self._programs.participants}
+        refusals = (each for each in now.refusals if each.program not in inside)
         self._troubles.note(refusals, now.utterances)
         self._server.note_game(*self._session.game_name)
         progress(now)

@@ -3,7 +3,7 @@ same game."""
 
 from collections.abc import Sequence
 
-from thbridge.app.compose.game import build_bot
+from thbridge.app.compose.game import build_participants
 from thbridge.app.compose.recording import build_record, build_recorder, message_filter
 from thbridge.app.compose.session import SessionRecording, build_programs, open_session
 from thbridge.app.compose.setting import StudySetting
@@ -13,7 +13,6 @@ from thbridge.app.session.broadcast import Listener
 from thbridge.app.session.session import TickRecorder
 from thbridge.batch.measures import GameMeasures, GameObserver
 from thbridge.recording.digest import MessageDigest
-from thbridge.roles.participant.tabui import TabUI
 from thbridge.ros.topics import RosMessage
 from thbridge.study.study_file import RecordingSection
 
@@ -24,7 +23,7 @@ def play_hunt(
     listeners: Sequence[Listener] = (),
     recorders: Sequence[TickRecorder] = (),
 ) -> GameMeasures:
-    """Play a complete game with the study's simulated participant.
+    """Play a complete game with the study's simulated participants.
 
     Args:
         setting: the study with its files.
@@ -34,7 +33,7 @@ def play_hunt(
     """
     study, observer, statistics = setting.study, GameObserver(), RunStatistics()
     who = study.participant
-    programs = build_programs(setting, TabUI(build_bot(setting.templates, who.strategy, study.seed, who.attitude)))
+    programs = build_programs(setting, build_participants(setting))
     all_recorders: list[TickRecorder] = [observer, *recorders]
     if listeners:
         opening = build_record(setting, PLAY, programs.names, who.strategy)

@@ -133,7 +133,7 @@ class Session:
         keeper: keeper of the game.
         roles: the other roles of this process.
         recorders: recorders that record every tick.
-        participant: the participant's role in this process, whose messages are inputs; None if there is none.
+        participants: roles of participants in this process, whose messages are inputs.
         vehicles: factory of the robots' MAVLink vehicles. The argument of the factory receives the vehicles' requests
             to robots and game. These requests follow from frames, so they are not inputs. If None, the robots are not
             MAVLink vehicles.
@@ -156,7 +156,7 @@ class Session:
         keeper: Keeper,
         roles: Sequence[Role],
         recorders: Sequence[TickRecorder] = (),
-        participant: Role | None = None,
+        participants: Sequence[Role] = (),
         vehicles: "Callable[[RequestSink], Vehicles] | None" = None,
         log: EventLog | None = None,
         outlets: SessionOutlets = NO_OUTLETS,
@@ -170,14 +170,14 @@ class Session:
         self._roles = tuple(roles)
         self._log = log
         self._recorders = tuple(recorders)
-        self._participant = participant
+        self._participants = tuple(participants)
         self._robots = next((role for role in roles if isinstance(role, RobotsRole)), None)
         self._inputs = InputQueue()
         self._vehicles = None if vehicles is None else vehicles(self._pass_on)
         self.router = RecordedRouter(self._message_router, self._inputs)
         self.links = RecordedLinks(self._vehicles, self._inputs)
         self.keys = KeyUses()
-        for role in (keeper, *self._roles, *(() if participant is None else (participant,))):
+        for role in (keeper, *self._roles, *self._participants):
             taken = self._message_router.local.attach(role.name)
             if taken is not None:
                 raise ValueError(f"two programs are called {taken.name}")
@@ -264,8 +264,8 @@ class Session:
             self._log.append([*decisions.entries, *by_keys])
         for role in self._roles:
             self._step_role(role)
-        if self._participant is not None:
-            given += [inputs.ParticipantSent(message) for message in self._step_role(self._participant)]
+        for participant in self._participants:
+            given += [inputs.ParticipantSent(message) for message in self._step_role(participant)]
         snapshot = self.snapshot
         sent = [] if self._vehicles is None or snapshot is None else self._vehicles.step(snapshot, self._keeper.state)
         record = TickRecord(

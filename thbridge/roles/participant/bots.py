@@ -12,6 +12,9 @@ from thbridge.hunt.properties import Teller
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.reply_policy import Opinion, ReplyPolicy
+from thbridge.roles.shared.participant_rules import revealed
+from thbridge.roles.shared.seat_rights import why_not_allowed
+from thbridge.roles.shared.team_notices import Vote
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     Consent,
@@ -42,6 +45,9 @@ TALKS_AS_USUAL, TALKS_ABOUT_ROOMS, MOST_TALKS = 2, 4, 6
 """Numbers of failed dialogues with a robot. After the first number, the bot no longer asks for advice. After the second
 number, it no longer chooses rooms itself, but asks for advice again and accepts all advice. After the third number, it
 no longer talks with the robot."""
+PATIENCE = 20
+"""Number of looks at an unchanged view after which a bot acts without its teammates. TabUI lets it look at each new
+view, and at least every `RETRY_PERIOD`."""
 DEAR = 2.0
 """A room is too expensive for a cautious participant if it costs more than this number of times the cheapest room."""
 
@@ -77,6 +83,9 @@ class Bot:
     it chooses another room. After some further dialogues, it follows the robot's advice. Finally, it stops talking with
     the robot.
 
+    In a game with several seats, the bot sends only requests that its seat may send. It names what the robots of other
+    seats have found, and leaves a treasure if nobody finds out more about it for a time.
+
     Args:
         strategy: strategy for the choice of rooms.
         knowledge: knowledge of treasures.
@@ -108,6 +117,10 @@ class Bot:
         # By robot: rooms of failed dialogues since its last drive. None means a dialogue about advice.
         self._vain: dict[int, list[int | None]] = {}
         self._vain_matters: Counter[tuple[str, int]] = Counter()
+        # In a game with several seats: numbers of looks at treasures that others examine, and of
+        # looks without a request.
+        self._waited: Counter[tuple[int, int]] = Counter()
+        self._idle = 0
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
         """Return the next requests; see `Player`."""
@@ -117,8 +130,15 @@ class Bot:
             return (GiveConsent(),)
         self._count_failures(view)
         self._count_talks_in_vain(view)
+        decisions = () if view.team is None else view.team.decisions
+        own = "" if view.team is None else view.team.own.name
         requests: list[ParticipantRequest] = [
             self._answer(view, dialogue) for dialogue in view.dialogues if dialogue.choices
+        ]
+        requests += [
+            Vote(each.decision, agrees=True)
+            for each in decisions
+            if own not in {each.seat, *(vote.seat for vote in each.votes)}
         ]
         open_matters: Sequence[DialogueView | Consent] = (*view.dialogues, *view.consents)
         taken = {item.room for item in open_matters if item.matter == "select-room"}
@@ -129,11 +149,15 @@ class Bot:
                     self._asked[robot.robot] = request
                 if isinstance(request, SelectRoom):
                     taken.add(request.room)
-        busy = any(robot.moving_to is not None or robot.has_other_commander for robot in view.robots)
-        waits = view.dialogues or view.thinking or busy
-        if not requests and view.robots and not waits:
-            return (EndGame(view.game),)
-        return requests
+        moves = any(robot.moving_to is not None for robot in view.robots)
+        if requests or not view.robots or view.dialogues or view.thinking or moves:
+            self._idle = 0
+            return requests
+        self._idle += 1
+        if any(robot.has_other_commander for robot in view.robots) and (view.team is None or self._idle < PATIENCE):
+            return ()
+        end = EndGame(view.game)
+        return (end,) if _is_allowed(view, end) else ()
 
     def _count_failures(self, view: View) -> None:
         """Count failed moves by robot and room. Record robots that are lost after a failed move."""
@@ -181,8 +205,16 @@ class Bot:
             return
         room = next((room for room in view.rooms if _waits_for(robot, room)), None)
         if room is not None:
-            yield self._treasure(view, robot, room, {consent.matter for consent in agreed if consent.room == room.room})
-            return
+            matters: set[str] = {consent.matter for consent in agreed if consent.room == room.room}
+            asked = self._treasure(view, robot, room, matters)
+            if _is_allowed(view, asked):
+                yield asked
+                return
+            if room.found and _is_allowed(view, LeaveTreasure(room.room)):
+                self._waited[room.room, len(room.known)] += 1
+                if self._waited[room.room, len(room.known)] >= PATIENCE:
+                    yield LeaveTreasure(room.room)
+                return
         if robot.moving_to is not None or robot.has_other_commander:
             return
         for consent in agreed:
@@ -322,6 +354,13 @@ class Bot:
 
 _TalkRequest: TypeAlias = SelectRoom | RequestSuggestion | OpenDialogue
 """Request that opens a dialogue."""
+
+
+def _is_allowed(view: View, request: ParticipantRequest) -> bool:
+    """Return True if the bot's seat may send a request."""
+    if view.team is None:
+        return True
+    return why_not_allowed(revealed(view).state, view.team.own, request) is None
 
 
 def _waits_for(robot: RobotView, room: RoomView) -> bool:

@@ -18,6 +18,8 @@ from thbridge.roles.shared.notices import (
     Subscribe,
 )
 from thbridge.roles.shared.participant_lines import encode_request_line
+from thbridge.roles.shared.seat_programs import program_of
+from thbridge.roles.shared.team_notices import TeamTalk
 from thbridge.roles.shared.view import (
     DeclineConsent,
     GiveConsent,
@@ -44,7 +46,7 @@ The server closes connections that are interrupted for this time.
 RENEWAL_PERIOD = 3 * TICKS_PER_SECOND
 """Number of ticks between two subscriptions. They are repeated for the case that SimR was restarted."""
 
-ParticipantUpdate: TypeAlias = View | GameTexts | FloorPlan | PicturePiece | PoseTelemetry | PlannedPaths
+ParticipantUpdate: TypeAlias = View | TeamTalk | GameTexts | FloorPlan | PicturePiece | PoseTelemetry | PlannedPaths
 """A notice to the participant's program."""
 
 _UPDATES = NoticeDecoder[ParticipantUpdate](ParticipantUpdate)
@@ -77,8 +79,10 @@ class TabUI:
         first_number: number of the first request. It is random if another program with the same run id may follow, such
             as a window that is opened again. With a random number, the keeper does not count
             new requests as repetitions.
+        seat: name of the participant's seat; empty in a game with one participant.
 
     Attributes:
+        name: name of the program.
         view: the latest view, or None before the first view.
         room_names: room names of the game's map. Empty before the keeper has sent them.
         texts: texts of the game's language. None before the keeper has sent them.
@@ -86,15 +90,16 @@ class TabUI:
         declined: True if the participant has declined to take part. Then this program must leave.
     """
 
-    name = legacy.TABUI
-
     def __init__(
         self,
         player: Player,
         observer: ParticipantObserver | None = None,
         consent: GiveConsent | None = None,
         first_number: int = 1,
+        seat: str = "",
     ) -> None:
+        self.name = program_of(seat)
+        self._seat = seat
         self._player = player
         self._observer = observer
         self._consent = consent
@@ -139,7 +144,7 @@ class TabUI:
                     self.room_names = update.room_names
                 case GameTexts():
                     self.texts = update.texts() or self.texts
-                case PicturePiece() | PoseTelemetry() | PlannedPaths() | None:
+                case TeamTalk() | PicturePiece() | PoseTelemetry() | PlannedPaths() | None:
                     pass  # Only the observer uses these notices.
                 case _:
                     assert_never(update)
@@ -152,7 +157,7 @@ class TabUI:
             self._sent = dict.fromkeys(self._sent, tick + REJOIN_PERIOD - RETRY_PERIOD)
             self._next_poll = min(self._next_poll, tick + REJOIN_PERIOD)
             if self._consent is not None:
-                outgoing.append(encode_request_line(self._consent))
+                outgoing.append(encode_request_line(self._consent, seat=self._seat))
             outgoing.append(encode_notice(self.name, KEEPER, ParticipantReady(self.run)))
         if self._observer is not None and self._renew_at is not None and tick >= self._renew_at:
             self._renew_at = tick + RENEWAL_PERIOD
@@ -175,7 +180,7 @@ class TabUI:
         for request in due:
             self._sent[request] = tick
         self._next_poll = min(self._sent.values(), default=tick) + RETRY_PERIOD
-        return [*reported, *(encode_request_line(request, self._numbers[request][0]) for request in due)]
+        return [*reported, *(encode_request_line(request, self._numbers[request][0], self._seat) for request in due)]
 
     def _fresh_number(self, tick: int) -> tuple[int, int]:
         self._last_number += 1

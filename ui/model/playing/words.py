@@ -28,6 +28,8 @@ def commander_in_words(texts: Texts, by: Commander, name: str) -> str:
             return name or texts.text("words.ground_station")
         case Commander.RESEARCHER:
             return texts.text("words.researcher")
+        case Commander.TEAMMATE:
+            return name
 
 
 def how_it_comes_back(texts: Texts, commander: Commander) -> str:

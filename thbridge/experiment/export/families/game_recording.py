@@ -12,7 +12,7 @@ from thbridge.experiment.progress import Run
 from thbridge.files.errors import BadFile
 from thbridge.hunt import game
 from thbridge.hunt.codec import from_json
-from thbridge.hunt.events import DialogueOpened, DialogueSaid, Event, GameEnded, GameStarted, KeyUsed
+from thbridge.hunt.events import Event, GameEnded, GameStarted, JournalOnly
 from thbridge.recording.bag.reading.reader import RawMessage, info, messages
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.session_records import DialogueMoveRecord, UtteranceRecord
@@ -182,7 +182,7 @@ class _Builder:
                 self._recording.collisions[record.robot] += 1
             return
         event = from_json(record.json)
-        if isinstance(event, DialogueOpened | DialogueSaid | KeyUsed):
+        if isinstance(event, JournalOnly):
             raise ValueError(f"it has an event {record.kind}, which is only valid in journals")
         if isinstance(event, GameStarted):
             self._recording, self._dialogues, self._ended = GameRecording(), DialogueGatherer(), None
