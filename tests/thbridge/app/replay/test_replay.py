@@ -134,7 +134,7 @@ def act(
 ) -> None:
     """A hunt with a simulated participant, and something that is done from outside before each tick."""
     setting = setting_of(study)
-    programs = build_programs(setting, bot_of(setting))
+    programs = build_programs(setting, (bot_of(setting),))
     opening = build_record(setting, PLAY, programs.names, "suggestion")
     with build_writer(setting, bag) as writer:
         recording = SessionRecording([build_recorder(setting, opening, [writer])])
