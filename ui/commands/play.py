@@ -222,7 +222,7 @@ def play(
             keys=ring,
             run=new_token(),
         )
-        program = hunt.play(setting, player.tabui, options, ready, follow, callbacks)
+        program = hunt.play(setting, (player.tabui,), options, ready, follow, callbacks)
         shown = nullcontext(untold) if who == PERSON else shown_progress(progress, "play", beside_text=not as_json)
         with shown as tell:
             outcome = run(program, player.typed)

@@ -152,7 +152,7 @@ class WindowGames:
         # Messages of the window are answered at any time, even during a game.
         await asyncio.to_thread(compile_ahead, whole_hunt=options.rate > 0.0)
         try:
-            return await hunt.play(setting, None, options, ready, story, self.hosts)
+            return await hunt.play(setting, (), options, ready, story, self.hosts)
         except ParticipantDeclined:
             if visit.ended is None:
                 raise  # Ctrl-C: the program ends.

@@ -9,7 +9,7 @@ from msgspec import structs
 from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
 from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.setting import StudySetting, read_setting
-from thbridge.app.consent import ConsentDesk, introduction
+from thbridge.app.consent import ConsentDesk, introductions
 from thbridge.app.server import ConsentedLog
 from thbridge.app.session.session import Session
 from thbridge.hunt.events import EndReason, GameEnded, TreasuresHidden
@@ -37,7 +37,7 @@ class Visitor:
     """A program at a desk."""
 
     def __init__(self, setting: StudySetting, hello: bytes) -> None:
-        self.desk = ConsentDesk(Session(build_keeper(setting), []).router, introduction(setting))
+        self.desk = ConsentDesk(Session(build_keeper(setting), []).router, introductions(setting, ["TabUI"]))
         connection = self.desk.connect(0.0)
         assert not isinstance(connection, TurnedAway)
         self._connection = connection

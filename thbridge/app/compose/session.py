@@ -60,7 +60,7 @@ def build_programs(
     return Programs(
         robots=build_simr(setting, team),
         hider=None if legacy.HIDER in outside else build_hider(setting.templates, setting.study.seed),
-        participants=() if legacy.TABUI in outside else tuple(participants),
+        participants=tuple(each for each in participants if each.name not in outside),
     )
 
 

@@ -165,7 +165,7 @@ class Session:
         self.tick = 0
         self._outlets = outlets
         self._run = run
-        self._message_router = MessageRouter()
+        self._message_router = MessageRouter(name_rule=keeper.refused_name)
         self._keeper = keeper
         self._roles = tuple(roles)
         self._log = log

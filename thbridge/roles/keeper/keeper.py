@@ -62,7 +62,7 @@ from thbridge.roles.shared.notices import (
 from thbridge.roles.shared.participant_lines import decode_request_line
 from thbridge.roles.shared.participant_rules import KeeperReason
 from thbridge.roles.shared.robot_requests import CommandRequest, GameRequest
-from thbridge.roles.shared.seat_programs import seat_of
+from thbridge.roles.shared.seat_programs import seat_of, why_no_seat
 from thbridge.roles.shared.team_notices import MarkRead, SayToPeople, Vote
 from thbridge.roles.shared.view import (
     Debrief,
@@ -87,7 +87,7 @@ from thbridge.text_protocol.wire.notice_format import (
     kind_of,
     parse_notice,
 )
-from thbridge.text_protocol.wire.router import Forwarded
+from thbridge.text_protocol.wire.router import Forwarded, NameRefusal
 
 KeeperNotice: TypeAlias = (
     RobotsReady
@@ -278,6 +278,14 @@ class Keeper:
         given = {place.consent.status(self.state) for place in self._seats.values()}
         return next(status for status in _BY_IMPORTANCE if status in given)
 
+    def refused_name(self, program: str, extended: bool) -> NameRefusal | None:
+        """Return the reason why a program cannot have its name in this game, or None; see `NameRule`."""
+        reason = why_no_seat(program, self._rules.seats, extended)
+        if reason is None:
+            return None
+        answer = TextMessage.of(TextCommand.ERROR, self.name, program, f"refused: {reason}")
+        return NameRefusal(reason, answer if self._tells_refusals else None)
+
     def connected(self) -> None:
         """Do nothing. The other programs send notices to the keeper when they are connected."""
 
@@ -293,18 +301,33 @@ class Keeper:
             only = self._seats.get(ONE_SEAT.name)
             if item.message.sender == legacy.TABUI and not item.sender_extended and only is not None:
                 only.consent.note_legacy()
-            last = self._game.last_refusal
-            self._handle_line(item)
-            refused = undone(item, self.state)
-            if self._rules.seats and item.message.receiver == legacy.TABUI:
-                refused = None  # Reports of 2016 to a participant; the views contain them.
-            if self._game.last_refusal is not None and self._game.last_refusal is not last:
-                refused = RequestRefused(self._game.last_refusal.reason, self._game.last_refusal.sentence)
+            refused = self._refused_line(item) if self._rules.seats else self._effect(item)
             if refused is not None:
                 self._note_refusal(item.message.sender, item.message.line().strip(), refused)
                 if self._tells_refusals and not item.sender_extended:
                     text = f"refused: {refused.sentence}"
                     self._outgoing.append(TextMessage.of(TextCommand.ERROR, self.name, item.message.sender, text))
+
+    def _refused_line(self, item: Forwarded) -> RequestRefused | None:
+        """Process a line in a game with several seats. Return the reason if it has no effect.
+
+        Lines of 2016 do not name their sender reliably. So requests in lines have no effect, and lines of programs of
+        2016 have none at all.
+        """
+        if not item.sender_extended or decode_request_line(item) is not None:
+            return _HAS_SEATS
+        refused = self._effect(item)
+        # SimR reports to a participant of 2016, who does not take part. The views contain these reports.
+        return None if item.message.receiver == legacy.TABUI else refused
+
+    def _effect(self, item: Forwarded) -> RequestRefused | None:
+        """Process a line. Return the reason if it has no effect."""
+        last = self._game.last_refusal
+        self._handle_line(item)
+        now = self._game.last_refusal
+        if now is not None and now is not last:
+            return RequestRefused(now.reason, now.sentence)
+        return undone(item, self.state)
 
     def _handle_line(self, item: Forwarded) -> None:
         if self.state is None:
@@ -313,9 +336,6 @@ class Keeper:
         # their agreements.
         request = decode_request_line(item)
         only = self._seats.get(ONE_SEAT.name)
-        if only is None and request is not None:
-            self._game.refuse(kind_of(type(request)), _HAS_SEATS)
-            return
         ours = item.sender_extended and only is not None and item.message.sender in only.participants
         if ours and only is not None and request is not None and only.consent.awaited(self.state):
             self._game.refuse(kind_of(type(request)), _BEFORE_AGREEING)

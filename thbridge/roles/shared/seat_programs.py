@@ -1,6 +1,6 @@
 """Names of the programs of seats, in the text protocol and in recordings."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from thbridge.hunt.seats import ONE_SEAT, Seat, seat_named
 from thbridge.text_protocol.wire import legacy
@@ -11,9 +11,38 @@ def program_of(seat: str) -> str:
     return f"{legacy.TABUI}-{seat}" if seat else legacy.TABUI
 
 
+def programs_of(seats: Iterable[str]) -> list[str]:
+    """Return the names of the participants' programs, given the names of the seats; none means one participant."""
+    return [program_of(seat) for seat in seats] or [legacy.TABUI]
+
+
 def seat_of(program: str, seats: Sequence[Seat]) -> Seat | None:
     """Return the seat of a program; None if it has no seat. In a game without seats, each program has the one seat."""
     if not seats:
         return ONE_SEAT
     before, _, name = program.partition("-")
     return seat_named(seats, name) if before == legacy.TABUI else None
+
+
+def why_no_seat(program: str, seats: Sequence[Seat], extended: bool) -> str | None:
+    """Return the reason, as a clause, why a program cannot have its name in a game, or None if it can.
+
+    Only names of participants' programs are refused.
+
+    Args:
+        program: name of the program.
+        seats: seats of the game.
+        extended: False for a program of 2016.
+    """
+    before, hyphen, name = program.partition("-")
+    if before != legacy.TABUI:
+        return None
+    if not seats:
+        is_for_seats = extended and hyphen
+        return "this game has one participant and no seats; omit --seat" if is_for_seats else None
+    if not extended:
+        return "this game has several seats, which programs of 2016 cannot take"
+    if seat_named(seats, name) is not None:
+        return None
+    problem = f"this game has no seat {name}" if name else "this game has several seats"
+    return f"{problem}; use --seat with one of these names: {', '.join(seat.name for seat in seats)}"

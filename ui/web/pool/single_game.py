@@ -78,7 +78,7 @@ class SingleGame:
             seat.ready(where)
 
         try:
-            outcome = await hunt.play(setting, None, options, ready, progress)
+            outcome = await hunt.play(setting, (), options, ready, progress)
         except HuntUnfinished as early:
             outcome = early.outcome
         return {"score": outcome.score, "over": outcome.over}
