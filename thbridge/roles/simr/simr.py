@@ -71,8 +71,8 @@ class SimR(RobotsRole):
         dialect: the interpretation of `%%goto` that is tried first.
         response_timeout: number of ticks without observations after which a robot counts as silent and its move fails.
         telemetry: options of pose telemetry.
-        seats: seats of the game; empty for a game with one participant. In a game with several seats, lines of 2016 have
-            no effect, because they do not name their sender reliably, and only seats that see the map receive pose
+        seats: seats of the game; empty for a game with one participant. In a game with several seats, lines of 2016
+            have no effect, because they do not name their sender reliably. Only seats that see the map receive pose
             telemetry.
 
     Attributes:
