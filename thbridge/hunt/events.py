@@ -378,6 +378,20 @@ class PersonRead(_Event, frozen=True, tag="person-read"):
     at: Number
 
 
+class SeatTaken(_Event, frozen=True, tag="seat-taken"):
+    """The program of a participant joined, for the first time or again. Only journals have this event."""
+
+    seat: str
+    at: Number
+
+
+class SeatLeft(_Event, frozen=True, tag="seat-left"):
+    """All programs of a participant were disconnected. Only journals have this event."""
+
+    seat: str
+    at: Number
+
+
 class DecisionKind(StrEnum):
     """Kind of a decision that several participants may have to agree on."""
 
@@ -487,8 +501,8 @@ Event = (
     | GameEnded
 )
 
-TeamEntry = PersonSaid | PersonRead | DecisionProposed | VoteCast | DecisionSettled
-"""Entries about the participants of a game with several seats: their texts, and their votes."""
+TeamEntry = SeatTaken | SeatLeft | PersonSaid | PersonRead | DecisionProposed | VoteCast | DecisionSettled
+"""Entries about the participants of a game with several seats: their presence, their texts, and their votes."""
 
 JournalOnly = DialogueOpened | DialogueSaid | TeamEntry | KeyUsed
 """Entries of journals that do not change the state of a game."""

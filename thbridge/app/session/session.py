@@ -254,6 +254,7 @@ class Session:
         given = self._inputs.take()
         self.perform(self.router.exchange())
         forwarded = self.router.take_forwarded()
+        self._keeper.note_left(self.router.take_left())
         self._keeper.tap(forwarded)
         # The keeper's events are written to the journal before any message about them is sent. So after a crash, the
         # journal contains all events that other programs know.

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias, get_args
 
+from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.engine import DialogueEngine
 from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt import rules
@@ -329,6 +330,14 @@ class Keeper:
             return RequestRefused(now.reason, now.sentence)
         return undone(item, self.state)
 
+    def note_left(self, programs: Sequence[str]) -> None:
+        """Record that these programs were disconnected since the last step. Call this before `step`."""
+        if programs and self._rules.seats:  # In a game with one participant, nobody needs to know.
+            self._has_input = True
+            for name in programs:
+                for place in self._seats.values():
+                    place.participants.note_unreachable(name)
+
     def _handle_line(self, item: Forwarded) -> None:
         if self.state is None:
             return
@@ -382,6 +391,8 @@ class Keeper:
         # Without input, the state cannot have changed. Most ticks have no input.
         if self._has_input:
             self._has_input = False
+            if self.state is not None and self._rules.seats:
+                self._game.record(self._game.team.changes(self._present, self._game.tick / TICKS_PER_SECOND))
             if self.state is not None:
                 sense_for_stations(self._game, self.state)
             if self.state is not None:
@@ -400,13 +411,13 @@ class Keeper:
 
     @property
     def _present(self) -> list[str]:
-        """Seats whose participants have joined."""
-        return [name for name, place in self._seats.items() if not place.participants.is_empty]
+        """Seats whose participants are connected."""
+        return [name for name, place in self._seats.items() if place.participants.is_present]
 
     @property
     def _is_joined(self) -> bool:
         """True if any of our own programs takes part as a participant."""
-        return bool(self._present)
+        return any(not place.participants.is_empty for place in self._seats.values())
 
     def _place_of(self, program: str) -> "ParticipantSeat | None":
         """Return the seat of a program, or None."""

@@ -103,8 +103,13 @@ class Participants:
         numbers[number] = None
         return False
 
+    @property
+    def is_present(self) -> bool:
+        """True if at least one program is connected, as far as it is known."""
+        return any(name not in self._unreachable for name in self._members)
+
     def note_unreachable(self, name: str) -> None:
-        """Record that a notice to a program could not be delivered."""
+        """Record that a program was disconnected, or that a notice to it could not be delivered."""
         if name in self._members:
             self._unreachable.add(name)
 

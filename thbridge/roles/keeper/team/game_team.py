@@ -1,6 +1,7 @@
 """Texts and votes of the participants of one game."""
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass, field
 
 from thbridge.hunt.events import (
@@ -9,6 +10,8 @@ from thbridge.hunt.events import (
     DecisionSettled,
     PersonRead,
     PersonSaid,
+    SeatLeft,
+    SeatTaken,
     TeamEntry,
     VoteCast,
 )
@@ -34,17 +37,34 @@ class GameTeam:
         rules: the rules for them.
 
     Attributes:
+        present: seats whose participants are connected, as the journal has them.
         talk: their texts.
         decisions: their votes.
     """
 
     def __init__(self, rules: TeamRules) -> None:
+        self.present: frozenset[str] = frozenset()
         self.talk = PeopleTalk(rules.talk)
         self.decisions = TeamDecisions(rules.voting)
+
+    def changes(self, present: Collection[str], now: float) -> tuple[SeatTaken | SeatLeft, ...]:
+        """Return the events of participants who have joined or left.
+
+        Args:
+            present: seats whose participants are connected now.
+            now: simulated time, s.
+        """
+        joined = (SeatTaken(seat, now) for seat in present if seat not in self.present)
+        left = (SeatLeft(seat, now) for seat in sorted(self.present) if seat not in present)
+        return (*joined, *left)
 
     def note(self, entry: TeamEntry) -> None:
         """Process an entry of the journal."""
         match entry:
+            case SeatTaken(seat):
+                self.present |= {seat}
+            case SeatLeft(seat):
+                self.present -= {seat}
             case PersonSaid() | PersonRead():
                 self.talk.note(entry)
             case DecisionProposed() | VoteCast() | DecisionSettled():
