@@ -90,7 +90,7 @@ def treasure_of(fields: Mapping[str, object]) -> TreasureKind:
         raise ValueError(str(error)) from None
 
 
-def kind_of(event_class: type[Event]) -> str:
+def kind_of(event_class: type[JournalEntry]) -> str:
     """Return the kind of an event class in recordings: its kind in journals, with the hyphens removed."""
     return str(event_class.__struct_config__.tag).replace("-", "")
 

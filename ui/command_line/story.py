@@ -35,6 +35,7 @@ from thbridge.hunt.events import (
 from thbridge.hunt.properties import value_in_words
 from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.hunt.rules import commander_name
+from thbridge.hunt.team_words import entry_in_words, seat_of_entry
 from thbridge.hunt.treasures import name_in_words
 from ui.command_line.terminal import show
 
@@ -52,7 +53,11 @@ def tell(tick: TickRecord, rooms: RoomNames) -> Iterator[str]:
     for event in tick.events:
         sentence = _happened(event, rooms)
         if sentence:
-            yield _timed(tick, sentence)
+            seat = getattr(event, "seat", "")
+            yield _timed(tick, f"{sentence} ({seat})" if seat else sentence)
+    for entry in tick.team:
+        words = f"{seat_of_entry(entry)} {entry_in_words(entry, rooms)}".strip()
+        yield _timed(tick, f"{words[0].upper()}{words[1:]}")
 
 
 CONDITIONS = {
@@ -69,7 +74,9 @@ def _timed(tick: TickRecord, sentence: str) -> str:
 
 def _sentence(utterance: DialogueUtterance) -> str:
     robot = utterance.topic.robot
-    speaker = robot_name(robot).capitalize() if utterance.speaker is Speaker.ROBOT else f"You to {robot_name(robot)}"
+    person = utterance.seat.capitalize() or "You"
+    is_robot = utterance.speaker is Speaker.ROBOT
+    speaker = robot_name(robot).capitalize() if is_robot else f"{person} to {robot_name(robot)}"
     wizard = " (said by the researcher)" if utterance.author is Author.WIZARD else ""
     return f"{speaker}{wizard}: {utterance.text}"
 

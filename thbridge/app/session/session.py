@@ -15,7 +15,7 @@ from thbridge.app.session.key_uses import KeyUses
 from thbridge.app.session.recorded_links import RecordedLinks
 from thbridge.app.session.recorded_router import RecordedRouter
 from thbridge.dialogue.moves import DialogueUtterance
-from thbridge.hunt.events import Event, GameStarted, JournalEntry, KeyUsed
+from thbridge.hunt.events import Event, GameStarted, JournalEntry, KeyUsed, TeamEntry
 from thbridge.hunt.game import GameState
 from thbridge.mavlink.wire.outgoing import VehicleStatus
 from thbridge.mavlink.wire.traffic import OutgoingFrame, Traffic
@@ -52,6 +52,7 @@ class TickRecord:
         traffic: frames that vehicles have received and sent from the last tick to the end of this tick, in order.
         vehicles: status of each vehicle; empty if the robots are not vehicles.
         refusals: requests of programs that the keeper has refused, in order.
+        team: texts and votes of the participants, in a game with several seats, in order.
     """
 
     tick: int
@@ -65,6 +66,7 @@ class TickRecord:
     traffic: tuple[Traffic, ...] = ()
     vehicles: tuple[VehicleStatus, ...] = ()
     refusals: tuple[ProgramRefusal, ...] = ()
+    team: tuple[TeamEntry, ...] = ()
 
 
 class TickRecorder(Protocol):
@@ -281,6 +283,7 @@ class Session:
             () if self._vehicles is None else self._vehicles.hub.take_traffic(),
             () if self._vehicles is None else self._vehicles.statuses,
             decisions.refusals,
+            decisions.team,
         )
         for recorder in self._recorders:
             recorder.record(record)

@@ -20,6 +20,7 @@ from thbridge.hunt.events import (
     GameStarted,
     JournalEntry,
     JournalOnly,
+    TeamEntry,
 )
 from thbridge.hunt.game import GameState
 from thbridge.hunt.properties import TreasureProperty
@@ -203,6 +204,11 @@ class KeeperDecisions:
     def events(self) -> tuple[Event, ...]:
         """The events of the game, in order."""
         return tuple(entry for entry in self.entries if not isinstance(entry, JournalOnly))
+
+    @property
+    def team(self) -> tuple[TeamEntry, ...]:
+        """The texts and votes of participants, in order."""
+        return tuple(entry for entry in self.entries if isinstance(entry, TeamEntry))
 
 
 class Keeper:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 
 from msgspec import structs
 
@@ -135,7 +136,10 @@ class OpenGame:
 
     def _gather_utterances(self) -> None:
         """Add the utterances since the last call to the queue for the journal."""
-        fresh = self.dialogues.take_utterances()
+        fresh = [
+            replace(said, seat=self._seat) if said.speaker is Speaker.PERSON else said
+            for said in self.dialogues.take_utterances()
+        ]
         self._utterances += fresh
         self._entries += [
             DialogueSaid(
@@ -145,7 +149,7 @@ class OpenGame:
                 said.author,
                 move_text(said.move),
                 said.text,
-                self._seat if said.speaker is Speaker.PERSON else "",
+                said.seat,
             )
             for said in fresh
             # A conclusion is not a turn. The turns determine the conclusion.

@@ -16,12 +16,17 @@ def programs_of(seats: Iterable[str]) -> list[str]:
     return [program_of(seat) for seat in seats] or [legacy.TABUI]
 
 
+def seat_name_of(program: str) -> str:
+    """Return the name of a program's seat; empty if it has none, as in a game with one participant."""
+    before, _, name = program.partition("-")
+    return name if before == legacy.TABUI else ""
+
+
 def seat_of(program: str, seats: Sequence[Seat]) -> Seat | None:
     """Return the seat of a program; None if it has no seat. In a game without seats, each program has the one seat."""
     if not seats:
         return ONE_SEAT
-    before, _, name = program.partition("-")
-    return seat_named(seats, name) if before == legacy.TABUI else None
+    return seat_named(seats, seat_name_of(program))
 
 
 def why_no_seat(program: str, seats: Sequence[Seat], extended: bool) -> str | None:

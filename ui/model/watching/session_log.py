@@ -8,9 +8,11 @@ from typing import get_args
 
 from sim.common.robot_numbers import robot_name
 from thbridge.analysis.report.ways_made import WaysMade
+from thbridge.hunt.codec import from_json
 from thbridge.hunt.event_words import event_in_words, kind_in_words
-from thbridge.hunt.events import Commander
+from thbridge.hunt.events import Commander, PersonSaid, TeamEntry
 from thbridge.hunt.rooms import RoomNames
+from thbridge.hunt.team_words import entry_in_words, seat_of_entry
 from thbridge.hunt.treasures import name_in_words
 from thbridge.json_text import json_of
 from thbridge.ros import names
@@ -167,6 +169,8 @@ class SessionLog:
         match message.msgtype:
             case types.GAME_EVENT:
                 event = unpack.game_event(message.data)
+                if message.topic == names.TEAM:
+                    return self._team_entry(stamp, event)
                 fields = _fields(event.json)
                 self._follow(stamp, event, fields)
                 who = "" if event.robot is None else robot_name(event.robot)
@@ -174,7 +178,8 @@ class SessionLog:
                 return Entry(stamp, "event", what, who, event.robot, event.room, text, event.kind in IMPORTANT)
             case types.UTTERANCE:
                 utterance = unpack.utterance(message.data)
-                speaker = robot_name(utterance.robot) if utterance.speaker == "robot" else "participant"
+                person = utterance.seat or "participant"
+                speaker = robot_name(utterance.robot) if utterance.speaker == "robot" else person
                 speaker += " (wizard)" if utterance.author == "wizard" else ""
                 text = utterance.text or utterance.move
                 what = utterance.scenario.replace("-", " ")
@@ -197,6 +202,15 @@ class SessionLog:
             case types.STRING if message.topic in LINES:
                 return Entry(stamp, "line", message.topic, "", None, None, unpack.string(message.data).rstrip("\r\n"))
         return None
+
+    def _team_entry(self, stamp: int, event: GameEvent) -> Entry | None:
+        """Return the entry for a text or a vote of a participant."""
+        entry = from_json(event.json)
+        if not isinstance(entry, TeamEntry):
+            return None
+        list_of: EntryKind = "said" if isinstance(entry, PersonSaid) else "event"
+        text = entry_in_words(entry, self.room_names)
+        return Entry(stamp, list_of, kind_in_words(event.kind), seat_of_entry(entry), event.robot, event.room, text)
 
     def _follow(self, stamp: int, event: GameEvent, fields: dict[str, object]) -> None:
         """Apply an event to the states of rooms and robots."""
