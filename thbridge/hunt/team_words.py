@@ -1,4 +1,4 @@
-"""Words for people for texts and votes of participants, in games with several seats."""
+"""Words for people for the presence, texts and votes of participants, in games with several seats."""
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import (
@@ -7,6 +7,8 @@ from thbridge.hunt.events import (
     DecisionSettled,
     PersonRead,
     PersonSaid,
+    SeatLeft,
+    SeatTaken,
     TeamEntry,
     VoteCast,
 )
@@ -15,18 +17,22 @@ from thbridge.hunt.treasures import name_in_words
 
 
 def seat_of_entry(entry: TeamEntry) -> str:
-    """Return the seat whose participant sent a text or voted; empty for the end of a vote."""
+    """Return the seat of the participant; empty for the end of a vote."""
     return "" if isinstance(entry, DecisionSettled) else entry.seat
 
 
 def entry_in_words(entry: TeamEntry, rooms: RoomNames) -> str:
-    """Return a text or a vote as a part of a sentence, without the participant's seat.
+    """Return an entry as a part of a sentence, without the participant's seat.
 
     Args:
-        entry: the text or vote.
+        entry: the entry.
         rooms: names of the map's rooms.
     """
     match entry:
+        case SeatTaken():
+            return "joins"
+        case SeatLeft():
+            return "is disconnected"
         case PersonSaid(line=line, to=to, text=text):
             return f"message {line} to {to or 'all'}: {text}"
         case PersonRead(line):
