@@ -64,10 +64,6 @@ class CommandHolder(msgspec.Struct, frozen=True):
     by: Commander = Commander.PARTICIPANT
     name: str = ""
 
-    def commands(self, holder: "CommandHolder") -> bool:
-        """Return True if this party commands a robot that `holder` commands. Ground stations share their robots."""
-        return self.by is holder.by and (self.by is not Commander.PARTICIPANT or self.name == holder.name)
-
 
 class RobotState(msgspec.Struct, frozen=True):
     """One robot in the game.
