@@ -7,6 +7,7 @@ from msgspec import structs
 
 from thbridge.hunt.events import Commander, ConsentGiven
 from thbridge.hunt.game import GameState
+from thbridge.hunt.rules import RuleReason
 from thbridge.hunt.seats import DialogueSight, Seat
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.keeper.disclosed.consent import ConsentAnswer
@@ -14,7 +15,16 @@ from thbridge.roles.keeper.disclosed.participants import Participants
 from thbridge.roles.shared.notices import KEEPER
 from thbridge.roles.shared.seat_rights import may_discuss
 from thbridge.roles.shared.team_notices import DecisionView
-from thbridge.roles.shared.view import Debrief, DialogueMatter, RobotView, RoomView, Teammate, TeamView, View
+from thbridge.roles.shared.view import (
+    Debrief,
+    DialogueMatter,
+    RefusalView,
+    RobotView,
+    RoomView,
+    Teammate,
+    TeamView,
+    View,
+)
 
 
 class ParticipantSeat:
@@ -118,8 +128,16 @@ def _without_energy(view: View) -> View:
         ),
         picture_cost=0.0,
         identify_cost=0.0,
+        refusal=_without_numbers(view.refusal),
         properties=tuple(replace(each, cost=0.0) if each.is_measured else each for each in view.properties),
     )
+
+
+def _without_numbers(refusal: RefusalView | None) -> RefusalView | None:
+    """Return a refusal without the energy and costs in its sentence."""
+    if refusal is None or refusal.reason != RuleReason.NOT_ENOUGH_ENERGY:
+        return refusal
+    return replace(refusal, sentence="The robot does not have enough energy for this.")
 
 
 def _without_score(view: View) -> View:
