@@ -354,6 +354,7 @@ class PersonSaid(_Event, frozen=True, tag="person-said"):
         text: the text.
         at: simulated time at which it was sent, s.
         typing: time from the first key to sending, s.
+        number: number that the author's program gave the text; see `SayToPeople`.
     """
 
     line: int
@@ -362,6 +363,7 @@ class PersonSaid(_Event, frozen=True, tag="person-said"):
     text: str
     at: Number
     typing: Number
+    number: int = 0
 
 
 class PersonRead(_Event, frozen=True, tag="person-read"):

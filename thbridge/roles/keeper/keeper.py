@@ -575,10 +575,17 @@ class Keeper:
                     debrief=self._debriefed(state),
                 )
                 if self._rules.seats:
-                    view = view_of_seat(view, state, place.seat, self._present, self._game.team.decisions.views())
-                    self._outgoing += place.participants.show_talk(
-                        state.started.game, self._game.team.talk.lines_for(place.seat.name)
+                    talk = self._game.team.talk
+                    view = view_of_seat(
+                        view,
+                        state,
+                        place.seat,
+                        self._present,
+                        self._game.team.decisions.views(),
+                        talk.read_until(place.seat.name),
+                        talk_is_open=talk.is_open(self._game.seconds),
                     )
+                    self._outgoing += place.participants.show_talk(state.started.game, talk.lines_for(place.seat.name))
                 self._outgoing += place.participants.show(view)
         self._send(legacy.SIMR, self._team.changed_permission(recordable=self.consent.recordable))
 

@@ -90,9 +90,18 @@ class OpenGame:
         self._utterances: list[DialogueUtterance] = []
 
     def advance(self, tick: int) -> bool:
-        """Set the current tick. Return True if the participant may now ask for a robot again."""
+        """Set the current tick.
+
+        Return True if participants may now ask for a robot again, or if the time for texts begins or ends.
+        """
+        was_open = self.team.talk.is_open(self.seconds)
         self.tick = self._restored_until + tick
-        return self.handbacks.advance(self.tick)
+        return self.handbacks.advance(self.tick) or self.team.talk.is_open(self.seconds) != was_open
+
+    @property
+    def seconds(self) -> float:
+        """Simulated time of the current tick, s."""
+        return self.tick / TICKS_PER_SECOND
 
     @contextmanager
     def acting(self, seat: str) -> Iterator[None]:

@@ -21,6 +21,7 @@ class TalkLine:
         to: seat of the addressee; empty if the text is for all.
         text: the text.
         at: simulated time at which it was sent, s.
+        number: number that the author's program gave the text; see `SayToPeople`.
     """
 
     line: int
@@ -28,6 +29,7 @@ class TalkLine:
     to: str
     text: str
     at: float
+    number: int = 0
 
 
 class TeamTalk(NoticeValue, frozen=True, tag="Talk"):
@@ -47,11 +49,14 @@ class SayToPeople(NoticeValue, frozen=True, tag="Say"):
         text: the text.
         to: seat of the addressee; empty for all.
         typing: time from the first key to sending, s.
+        number: number of the text among those of its author, from 1. A text with the same number, addressee and words
+            as an earlier one is a repetition, also from another run of the program. If 0, it never is.
     """
 
     text: Annotated[str, msgspec.Meta(max_length=4 * LONGEST_TEXT)]
     to: str = ""
     typing: float = 0.0
+    number: int = 0
 
 
 class MarkRead(NoticeValue, frozen=True, tag="Read"):

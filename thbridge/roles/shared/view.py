@@ -245,6 +245,8 @@ class TeamView:
         asked_for: robots of this seat that another seat asks for: index of the robot, and the name of that seat.
         partners: dialogues of other seats: number of the dialogue, and the name of that seat.
         decisions: open votes.
+        talk_is_open: True if participants may send texts to each other now.
+        read: number of the last text that a program of this seat has shown; 0 before the first.
     """
 
     own: Seat
@@ -252,6 +254,8 @@ class TeamView:
     asked_for: tuple[tuple[int, str], ...] = ()
     partners: tuple[tuple[int, str], ...] = ()
     decisions: tuple[DecisionView, ...] = ()
+    talk_is_open: bool = False
+    read: int = 0
 
 
 class View(NoticeValue, frozen=True, tag="View"):

@@ -32,6 +32,7 @@ from ui.model.playing.memory.state import (
     PendingStep,
     Reroute,
 )
+from ui.model.playing.people import do_with_people
 from ui.model.playing.possible import (
     ends_game,
     left_beside,
@@ -63,6 +64,7 @@ from ui.model.playing.screen import (
     LeaveTreasureAct,
     MeasurePropertyAct,
     NextRobot,
+    PeopleAct,
     PickName,
     PlayAgainAct,
     RequestHandbackAct,
@@ -97,6 +99,8 @@ def do(memory: ParticipantMemory, act: Act, now: float) -> None:
             memory.hovered = room
         case SwitchSound():
             _switch_sound(memory, now)
+        case PeopleAct() if memory.hunt is not None:
+            do_with_people(memory, memory.hunt, act, now)
         case _ if memory.hunt is not None and memory.hunt.view.game == memory.last_drawn.game:
             _in_game(memory, memory.hunt, act, now)
             settle(memory, memory.hunt)

@@ -10,6 +10,7 @@ from ui.model.playing.cards import cards, moved_cards, nothing_waits
 from ui.model.playing.keys import HELP, WAITING_KEY, help_lines, is_letter, keyed
 from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
+from ui.model.playing.people import people_panel
 from ui.model.playing.popups.confirmations import confirmation
 from ui.model.playing.popups.dialogues import destination_popup, dialogue_title
 from ui.model.playing.popups.game_over import game_over_page
@@ -73,6 +74,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         announcement_number=0,
         rules=rules_of(texts, hunt.view) if hunt is not None and memory.help_open else (),
         nothing_waits="" if playing is None else _nothing_waits(playing, team),
+        people=None if hunt is None else people_panel(memory, hunt),
     )
     screen = replace(screen, enlarged=_enlarged(hunt, screen))
     match screen.popup:
@@ -203,10 +205,10 @@ def _help(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[tuple[str
     if hunt is None:
         return help_lines(memory.texts, 0)
     properties = any(not each.is_found for each in hunt.view.properties)
-    argues = hunt.view.has_last_word is not None
-    return help_lines(
-        hunt.texts, len(hunt.view.rooms), why_silent(memory, hunt), properties=properties, numbered=argues
-    )
+    argues, several = hunt.view.has_last_word is not None, hunt.view.team is not None
+    silent = why_silent(memory, hunt)
+    rooms = len(hunt.view.rooms)
+    return help_lines(hunt.texts, rooms, silent, properties=properties, numbered=argues, team=several)
 
 
 def _tools(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[Action, ...]:

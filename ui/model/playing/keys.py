@@ -27,6 +27,7 @@ from ui.model.playing.screen import (
     FollowRobot,
     GiveConsentAct,
     GoOnFromGame,
+    GoToPeople,
     IdentifyTreasureAct,
     LeaveTreasureAct,
     NextRobot,
@@ -97,6 +98,8 @@ OVER = (
     KeyBinding(("Enter",), GoOnFromGame(), "keys.go_on"),
 )
 """Keys after the game. The page offers only one of these acts."""
+PEOPLE = KeyBinding(("T",), GoToPeople(), "people.key")
+"""Key during and after a game of several participants."""
 HELP = KeyBinding(("F1", "H"), ShowHelp(), "keys.help")
 
 WAITING_KEY = "W"
@@ -182,6 +185,8 @@ def act_for(key: str, screen: Screen) -> Act | None:
         case Phase.CONSENT:
             return _bound(key, CONSENT)
         case Phase.OVER:
+            if key in PEOPLE.keys and _writes(screen):
+                return PEOPLE.act
             act = _bound(key, OVER)
             return act if screen.ending is not None and screen.ending.again.act == act else None
         case Phase.PLAYING:
@@ -222,7 +227,13 @@ def help_line(texts: Texts, binding: KeyBinding) -> tuple[str, str]:
 
 
 def help_lines(
-    texts: Texts, rooms: int, silent: str = "", *, properties: bool = False, numbered: bool = False
+    texts: Texts,
+    rooms: int,
+    silent: str = "",
+    *,
+    properties: bool = False,
+    numbered: bool = False,
+    team: bool = False,
 ) -> tuple[tuple[str, str], ...]:
     """Return all lines of the help sheet as (keys, effect).
 
@@ -231,6 +242,7 @@ def help_lines(
         rooms: number of rooms; 0 before there is a game.
         properties: True if the participant can ask robots to sense further properties, or can report properties.
         numbered: True if answers to robots are numbered.
+        team: True in a game with several participants.
         silent: reason why there is no sound, shown in place of the effect of the sound key; empty if there is sound.
     """
     enter, ctrl = shown_key(texts, "Enter"), shown_key(texts, "Ctrl")
@@ -257,7 +269,8 @@ def help_lines(
     if properties:
         lines.append((texts.text("keys.with_number", key=ctrl), texts.text("keys.property_number")))
     lines.append((texts.text("keys.with_letter", key=ctrl), texts.text("keys.letter_meanwhile")))
-    lines += [help_line(texts, binding) for binding in (*question_keys(texts), HELP)]
+    others = (PEOPLE,) if team else ()
+    lines += [help_line(texts, binding) for binding in (*others, *question_keys(texts), HELP)]
     return tuple(lines)
 
 
@@ -301,7 +314,12 @@ def _playing(key: str, screen: Screen) -> Act | None:
             return ShowNext()
         case _:
             pass
-    return _bound(key, PLAYING)
+    return _bound(key, (*PLAYING, PEOPLE) if _writes(screen) else PLAYING)
+
+
+def _writes(screen: Screen) -> bool:
+    """Return True if the screen has a field for texts to other people."""
+    return screen.people is not None and screen.people.writes
 
 
 def _digit(digit: int, screen: Screen) -> Act | None:

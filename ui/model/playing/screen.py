@@ -261,6 +261,48 @@ class SwitchSound(Act):
 
 
 @dataclass(frozen=True, slots=True)
+class PeopleAct(Act):
+    """Act on the panel of the people in the game. It never depends on other parts of the screen."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChooseAddressee(PeopleAct):
+    """Write the next text to this seat; if it is empty, to all."""
+
+    seat: str
+
+
+@dataclass(frozen=True, slots=True)
+class WriteTextAct(PeopleAct):
+    """Report the text that is being written."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class SendTextAct(PeopleAct):
+    """Send a text to a seat; if it is empty, to all.
+
+    The front end inserts the text of its field, and empties the field.
+    """
+
+    to: str
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class MarkReadAct(PeopleAct):
+    """Report that all texts up to the one with this number were shown."""
+
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class GoToPeople(Act):
+    """Move the focus to the field for texts to other people. The front end does this itself."""
+
+
+@dataclass(frozen=True, slots=True)
 class Action:
     """Button for an act.
 
@@ -539,6 +581,96 @@ class HistoryLine:
 
 
 @dataclass(frozen=True, slots=True)
+class PersonRow:
+    """Person in the game: the participant, or a teammate.
+
+    Attributes:
+        seat: name of the seat.
+        name: words for the seat.
+        present: True if the person has joined.
+        presence: the same in words.
+        commands: robots that the person commands, in words.
+        robots: indices of these robots.
+        may: what the person may do, in words.
+    """
+
+    seat: str
+    name: str
+    present: bool
+    presence: str
+    commands: str
+    robots: tuple[int, ...]
+    may: str
+
+
+@dataclass(frozen=True, slots=True)
+class PersonText:
+    """Text of a person.
+
+    Attributes:
+        line: number of the text in the game; 0 while it is on its way.
+        who: author and addressee, in words.
+        text: the text, on one line and without control characters.
+        time: time of the game at which it was sent; words while it is on its way.
+        own: True if the participant wrote it.
+        pending: True while it is on its way.
+        new: True if the participant has not seen it yet.
+    """
+
+    line: int
+    who: str
+    text: str
+    time: str
+    own: bool
+    pending: bool = False
+    new: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PeoplePanel:
+    """Panel of the people in the game, with their texts.
+
+    Attributes:
+        title: heading.
+        own: the participant.
+        others: the teammates.
+        texts: all texts, oldest first.
+        nothing: sentence in place of texts; empty if there are texts.
+        unread: number of texts that the participant has not seen.
+        news: the same in words; empty for 0.
+        read: reports that all texts are shown; None if all are read.
+        writes: True if the panel shows a field for texts.
+        closed: reason why no text can be sent now; empty if one can.
+        addressees: buttons that choose an addressee; `Action.pending` is never set.
+        to: seat of the chosen addressee; empty for all.
+        prompt: label of the field, with the addressee.
+        draft: text in the field.
+        restored: number of times that the game replaced the text of the field; after a higher number than before, the
+            field must show `draft` again.
+        send: button that sends the text of the field.
+        longest: greatest length of a text, characters.
+    """
+
+    title: str
+    own: PersonRow
+    others: tuple[PersonRow, ...]
+    texts: tuple[PersonText, ...]
+    nothing: str
+    unread: int
+    news: str
+    read: MarkReadAct | None
+    writes: bool
+    closed: str
+    addressees: tuple[Action, ...]
+    to: str
+    prompt: str
+    draft: str
+    restored: int
+    send: Action
+    longest: int
+
+
+@dataclass(frozen=True, slots=True)
 class Banner:
     """Line at the top of the window, for example about a lost connection or a refused request.
 
@@ -594,6 +726,7 @@ class Screen:
         typed: digits of a room number typed so far.
         announcement: last sentence for screen readers.
         announcement_number: number of the sentence; it increases, so equal sentences can follow each other.
+        people: the people in the game, and their texts; None if there is only one participant.
     """
 
     phase: Phase
@@ -624,3 +757,4 @@ class Screen:
     enlarged: bytes | None = None
     sound: GameSound | None = None
     sound_number: int = 0
+    people: PeoplePanel | None = None

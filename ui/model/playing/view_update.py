@@ -8,6 +8,7 @@ from thbridge.hunt.events import TreasureLeft
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.roles.shared.participant_rules import Discussed
+from thbridge.roles.shared.team_notices import SayToPeople
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     IdentifyTreasure,
@@ -35,6 +36,7 @@ from ui.model.playing.memory.state import (
     ParticipantMemory,
     Reroute,
 )
+from ui.model.playing.people import people_at_start, people_changes
 from ui.model.playing.possible import (
     ends_game,
     why_not_ask,
@@ -70,6 +72,8 @@ def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
     hunt.receive(view)
     hunt.most_energy = max([hunt.most_energy, *(robot.energy for robot in view.robots)])
     memory.history.receive(memory.texts, before, view)
+    for sentence in people_changes(memory.texts, before.team, view.team):
+        memory.history.add_event(sentence)
     memory.sounds += sounds_of(before, view)
     _receive_refunds(memory, before, view, now)
     _receive_rooms(memory, hunt, before, former.state, now)
@@ -176,7 +180,11 @@ def _begin(memory: ParticipantMemory, view: View) -> None:
     memory.followed = None if memory.followed is None else memory.selected
     memory.motions = ()
     memory.last_refusal = 0 if view.refusal is None else view.refusal.number
+    is_new = not memory.history.lines
     memory.history.receive(memory.texts, None, view, once=memory.once)
+    memory.talk.begin(view.game)
+    for sentence in people_at_start(memory.texts, view) if is_new else ():
+        memory.history.add_event(sentence)
     settle(memory, hunt)
 
 
@@ -278,6 +286,8 @@ def _receive_refusal(memory: ParticipantMemory, hunt: HuntMemory, now: float) ->
     memory.last_refusal = number
     if refusal is None:
         return
+    if refusal.wish == kind_of(SayToPeople):
+        memory.talk.restore()
     sentence = why_refused(hunt.texts, hunt.known, refusal, hunt.pending.drop_refused(refusal))
     memory.note = Note(sentence, now + NOTE)
     memory.history.add_event(sentence)

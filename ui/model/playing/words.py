@@ -46,7 +46,12 @@ def commanded_words(texts: Texts, robot: int, by: Commander, name: str) -> str:
 
 def progress_of(texts: Texts, seconds: int, left: int, rooms: int) -> str:
     """Return the time played and rooms left: `Time 3:05 · 5 of 8 rooms left`."""
-    return texts.text("game.progress", time=f"{seconds // 60}:{seconds % 60:02d}", left=left, count=rooms)
+    return texts.text("game.progress", time=clock_words(seconds), left=left, count=rooms)
+
+
+def clock_words(seconds: int) -> str:
+    """Return a time of the game: `3:05`."""
+    return f"{seconds // 60}:{seconds % 60:02d}"
 
 
 def percent(texts: Texts, share: float) -> str:

@@ -23,8 +23,8 @@ PIECE_PERIOD = TICKS_PER_SECOND // 12
 would close this connection."""
 
 
-TALK_LINES = 40
-"""Greatest number of texts in one line."""
+TALK_LINES = 8
+"""Greatest number of texts in one line. Even if each character is escaped, they fit into a line of 64 KiB."""
 
 
 class Participants:

@@ -52,7 +52,14 @@ class ParticipantSeat:
 
 
 def view_of_seat(
-    view: View, state: GameState, seat: Seat, joined: Collection[str], decisions: tuple[DecisionView, ...]
+    view: View,
+    state: GameState,
+    seat: Seat,
+    joined: Collection[str],
+    decisions: tuple[DecisionView, ...],
+    read: int = 0,
+    *,
+    talk_is_open: bool = False,
 ) -> View:
     """Return the part of a view that a seat may see.
 
@@ -62,6 +69,8 @@ def view_of_seat(
         seat: the seat.
         joined: names of the seats whose participants have joined.
         decisions: open votes.
+        read: number of the last text that a program of the seat has shown.
+        talk_is_open: True if participants may send texts to each other now.
     """
     seats = state.started.seats
     commanders = [robot.command for robot in state.robots]
@@ -102,6 +111,8 @@ def view_of_seat(
                 if not is_mine(each.robot, each.matter)
             ),
             decisions=decisions,
+            talk_is_open=talk_is_open,
+            read=read,
         ),
     )
     if not seat.sees_energy:

@@ -1,0 +1,88 @@
+"""Several people in one hunt without a simulator, each with the model of their screen."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from sim.common.observations import TICK
+from tests.support.hunts.hunt_without_simulator import RULES, HuntWithoutSimulator
+from thbridge.hunt.seats import Seat, StopRight
+from thbridge.roles.keeper.team.game_team import TeamRules
+from thbridge.roles.keeper.team.people_talk import TalkRules
+from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
+from thbridge.roles.shared.view import ParticipantRequest, View
+from ui.model.playing.participant import Participant
+from ui.model.playing.screen import Act, PeoplePanel, Screen
+
+SEATS = (
+    Seat("driver", "the driver", robots=(0, 1), names_treasures=False),
+    Seat("namer", "the namer", stops=StopRight.ALL),
+    Seat("scout", "the scout", robots=(2,), takes_over=False),
+)
+
+
+class PersonInHunt:
+    """Person in a seat.
+
+    Attributes:
+        model: model of the person's screen.
+        away: True while the person's connection is lost: no message arrives.
+    """
+
+    def __init__(self, seat: str, run: str = "run") -> None:
+        self.seat = seat
+        self.model = Participant()
+        self.tabui = TabUI(self, self, seat=seat)
+        self.tabui.run = run
+        self.away = False
+        self.now = 0.0
+
+    def requests(self, view: View) -> Sequence[ParticipantRequest]:
+        return () if self.away else self.model.requests()
+
+    def observe(self, level: ParticipantUpdate) -> None:
+        if not self.away:
+            self.model.receive(level, self.now)
+
+    def do(self, act: Act) -> None:
+        self.model.screen(self.now)
+        self.model.do(act, self.now)
+        self.tabui.poll_player()
+
+    @property
+    def screen(self) -> Screen:
+        return self.model.screen(self.now)
+
+    @property
+    def panel(self) -> PeoplePanel:
+        assert self.screen.people is not None
+        return self.screen.people
+
+    @property
+    def history(self) -> list[str]:
+        return [line.text for line in self.screen.history]
+
+    @property
+    def read(self) -> list[tuple[str, str]]:
+        """Texts on the panel: author, and words."""
+        return [(text.who, text.text) for text in self.panel.texts]
+
+
+class HuntOfPeople:
+    """Hunt in which people with these seats play.
+
+    Attributes:
+        people: the people, by the names of their seats.
+    """
+
+    def __init__(self, seats: Sequence[Seat] = SEATS, opens: float = 0.0, closes: float = math.inf) -> None:
+        self.people = {seat.name: PersonInHunt(seat.name) for seat in seats}
+        rules = replace(RULES, seats=tuple(seats), team=TeamRules(TalkRules(opens, closes)))
+        first, *others = (person.tabui for person in self.people.values())
+        self.hunt = HuntWithoutSimulator(robots=3, rules=rules, participant=first, others=others)
+
+    def run(self, ticks: int = 8) -> None:
+        for _ in range(ticks):
+            for person in self.people.values():
+                person.now += TICK
+            self.hunt.run(1)
