@@ -49,7 +49,7 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.properties import Properties
 from thbridge.hunt.rooms import CORRIDOR, Room
-from thbridge.hunt.seats import Seat, commanding_seat, seat_named
+from thbridge.hunt.seats import Seat, commanding_seat, label_of, seat_named
 from thbridge.hunt.treasures import TreasureKind
 
 _Part = TypeVar("_Part")
@@ -180,6 +180,10 @@ class GameState(msgspec.Struct, frozen=True):
     def seat(self, name: str) -> Seat | None:
         """Return the seat with this name, or None; see `seat_named`."""
         return seat_named(self.started.seats, name)
+
+    def label_of(self, name: str) -> str:
+        """Return the words for the participant of the seat with this name in a sentence."""
+        return label_of(self.started.seats, name)
 
     def has_robot(self, robot: int) -> bool:
         """Return True if the team has a robot with this index."""

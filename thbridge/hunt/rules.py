@@ -35,6 +35,7 @@ from thbridge.hunt.game import CommandHolder, GameState, apply
 from thbridge.hunt.properties import Properties, Teller, property_named
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
+from thbridge.hunt.seats import capitalized
 from thbridge.hunt.treasures import same_name
 
 MOST_ROBOTS = 250
@@ -117,7 +118,7 @@ def hand_over(state: GameState, robot: int, seat: str) -> Ruling:
     if to is None:
         return RequestRefused(RuleReason.UNKNOWN_SEAT, "There is no such seat in this game.")
     if not to.takes_over:
-        return RequestRefused(RuleReason.NOT_ALLOWED, f"{_capital_text(to.label)} cannot take over robots.")
+        return RequestRefused(RuleReason.NOT_ALLOWED, f"{capitalized(to.label)} cannot take over robots.")
     return commanded_by_other(state, robot, Commander.PARTICIPANT) or command(state, robot, CommandHolder(name=seat))
 
 
@@ -126,9 +127,8 @@ def commanded_by_other(state: GameState, robot: int, asker: Commander) -> Reques
     now = state.robots[robot].command
     if now.by is asker:
         return None
-    return RequestRefused(
-        RuleReason.COMMANDED, f"{_name(robot)} is commanded by {commander_name(now.by, now.name)} just now."
-    )
+    who = state.label_of(now.name) if now.by is Commander.PARTICIPANT else commander_name(now.by, now.name)
+    return RequestRefused(RuleReason.COMMANDED, f"{_name(robot)} is commanded by {who} just now.")
 
 
 def commanded_by_other_seat(state: GameState, robot: int, seat: str) -> RequestRefused | None:
@@ -556,8 +556,4 @@ def _name(robot: int) -> str:
 
 
 def _capital(room: Room) -> str:
-    return _capital_text(str(room))
-
-
-def _capital_text(text: str) -> str:
-    return text[:1].upper() + text[1:]
+    return capitalized(str(room))

@@ -86,6 +86,17 @@ def commanding_seat(seats: Sequence[Seat], robot: int) -> str:
     return next(listed, next(others, seats[0].name if seats else ""))
 
 
+def label_of(seats: Sequence[Seat], name: str) -> str:
+    """Return the words for the participant of a seat in a sentence; see `seat_named`."""
+    seat = seat_named(seats, name)
+    return "a participant" if seat is None else seat.label
+
+
+def capitalized(label: str) -> str:
+    """Return a label for the beginning of a sentence."""
+    return label[:1].upper() + label[1:]
+
+
 def labels_of(seats: Sequence[Seat]) -> str:
     """Return the labels of seats for a sentence, such as "the driver or the namer"; "a researcher" for no seats."""
     *others, last = [seat.label for seat in seats] or ["a researcher"]

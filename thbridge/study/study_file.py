@@ -567,6 +567,9 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
     yield from faults_of_mavlink(loaded, study.mavlink, study.robots)
     yield from faults_of_things(loaded, study.things)
     yield from faults_of_mishaps(loaded, study.mishaps, study.robots)
+    if study.seats and study.participant.robots is not None:
+        problem = "a game with seats has a fixed team, because each robot is in the `robots` of a seat"
+        yield loaded.fault("participant.robots", problem, "Delete the key")
     yield from faults_of_seats(loaded, study.seats, study.robots, study.dialogue.condition)
     if not _surrounds_origin(study.world.footprint):
         problem = "the polygon of these corners does not contain the robot's center (0, 0)"

@@ -185,10 +185,14 @@ def build_participants(setting: StudySetting, strategy: str | None = None) -> tu
     participants = []
     for entry in study.seats:
         chosen = strategy or entry.strategy or who.strategy
-        seed = int(noise.key(study.seed, "seat", entry.name)) % 2**31
-        bot = build_bot(setting.templates, chosen, seed, entry.attitude or who.attitude)
+        bot = build_bot(setting.templates, chosen, seat_seed(study.seed, entry.name), entry.attitude or who.attitude)
         participants.append(TabUI(bot, seat=entry.name))
     return tuple(participants)
+
+
+def seat_seed(seed: int, seat: str) -> int:
+    """Return the random seed of a simulated participant in a seat; `seat` is empty in a game with one participant."""
+    return int(noise.key(seed, "seat", seat)) % 2**31 if seat else seed
 
 
 def build_bot(
