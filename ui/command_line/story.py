@@ -59,8 +59,8 @@ def tell(tick: TickRecord, rooms: RoomNames) -> Iterator[str]:
         if sentence:
             yield _timed(tick, f"{who}: {sentence}" if seat and not sentence.startswith(who) else sentence)
     for entry in tick.team:
-        who = capitalized(label_of(seats, seat)) if (seat := seat_of_entry(entry)) else ""
-        words = f"{who} {entry_in_words(entry, rooms)}".strip()
+        seat = seat_of_entry(entry)
+        words = f"{label_of(seats, seat) if seat else ''} {entry_in_words(entry, rooms)}".strip()
         yield _timed(tick, capitalized(words))
 
 
