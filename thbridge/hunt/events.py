@@ -381,14 +381,14 @@ class PersonRead(_Event, frozen=True, tag="person-read"):
 
 
 class SeatTaken(_Event, frozen=True, tag="seat-taken"):
-    """The program of a participant joined, for the first time or again. Only journals have this event."""
+    """A participant joined with a program, or came back to it. Only journals have this event."""
 
     seat: str
     at: Number
 
 
 class SeatLeft(_Event, frozen=True, tag="seat-left"):
-    """All programs of a participant were disconnected. Only journals have this event."""
+    """A participant is away: all their programs were disconnected, or report it. Only journals have this event."""
 
     seat: str
     at: Number

@@ -69,6 +69,7 @@ class GameConnection:
     Attributes:
         requested: all open requests; each is sent again until it is granted.
         declined: True if the participant declines; this is sent first, even if the connection is stopped meanwhile.
+        present: False while the person is away from their front end; the others in a game with several seats see it.
     """
 
     def __init__(
@@ -88,6 +89,7 @@ class GameConnection:
         self._report_event = report
         self.requested: tuple[ParticipantRequest, ...] = ()
         self.declined = False
+        self.present = True
 
     async def run(self, stopped: Callable[[], bool], period: float = POLL_PERIOD) -> None:
         """Stay connected until `stopped` returns True; poll the connection after each `period` in seconds."""
@@ -103,6 +105,7 @@ class GameConnection:
                 is_last = stopped()
                 if self.declined:
                     role.decline()
+                role.present = self.present
                 if player.requested != self.requested:
                     player.requested = self.requested
                     role.poll_player()

@@ -78,6 +78,7 @@ class SeatConnection(Protocol):
 
     requested: tuple[ParticipantRequest, ...]
     declined: bool
+    present: bool
 
     async def run(self, stopped: Callable[[], bool], period: float) -> None:
         """Stay connected until `stopped` returns True; poll the connection after each `period` in seconds."""
@@ -143,6 +144,10 @@ class GameSeat:
     def stop(self) -> None:
         """Leave the game."""
         self._stopped = True
+
+    def note_presence(self, *, present: bool) -> None:
+        """Note if the person is at their browser; the others in a game with several seats see it."""
+        self._connection.present = present
 
     def show_to(self, send: Callable[[dict[str, Json]], None] | None, *, again: bool = False) -> None:
         """Send all pages to this browser from now on, beginning with a complete page. If None, send no pages.

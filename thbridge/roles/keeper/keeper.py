@@ -65,7 +65,7 @@ from thbridge.roles.shared.participant_lines import decode_request_line
 from thbridge.roles.shared.participant_rules import KeeperReason
 from thbridge.roles.shared.robot_requests import CommandRequest, GameRequest
 from thbridge.roles.shared.seat_programs import seat_of, why_no_seat
-from thbridge.roles.shared.team_notices import MarkRead, SayToPeople, Vote
+from thbridge.roles.shared.team_notices import MarkRead, ReportPresence, SayToPeople, Vote
 from thbridge.roles.shared.view import (
     Debrief,
     DeclineConsent,
@@ -99,6 +99,7 @@ KeeperNotice: TypeAlias = (
     | HideTreasures
     | ParticipantReady
     | ParticipantFault
+    | ReportPresence
     | ConsentQuery
     | DeclineConsent
     | ParticipantRequest
@@ -417,8 +418,8 @@ class Keeper:
 
     @property
     def _present(self) -> list[str]:
-        """Seats whose participants are connected."""
-        return [name for name, place in self._seats.items() if place.participants.is_present]
+        """Seats whose participants are connected, and not away from their front ends."""
+        return [name for name, place in self._seats.items() if place.participants.is_present and not place.is_away]
 
     @property
     def _is_joined(self) -> bool:
@@ -474,6 +475,7 @@ class Keeper:
         match value:
             case ParticipantReady(run):
                 place.consent.join(state, run)
+                place.is_away = False
                 for robot in range(0 if state is None else len(state.robots)):
                     self._game.attend(robot)
                 self._outgoing += place.participants.join(notice.sender, self._team.map, run)
@@ -483,6 +485,8 @@ class Keeper:
                 self._game.record(place.consent.agree(state, value))
             case PlayAgain(game):
                 self._play_again(game)
+            case ReportPresence(present):
+                place.is_away = not present
             case ParticipantFault() | None:
                 pass  # Faults are only recorded.
             case RobotsReady() | TeamStatus() | MoveCosts() | HiderReady() | HideTreasures() | ConsentQuery():

@@ -19,7 +19,7 @@ from thbridge.roles.shared.notices import (
 )
 from thbridge.roles.shared.participant_lines import encode_request_line
 from thbridge.roles.shared.seat_programs import program_of
-from thbridge.roles.shared.team_notices import TeamTalk
+from thbridge.roles.shared.team_notices import ReportPresence, TeamTalk
 from thbridge.roles.shared.view import (
     DeclineConsent,
     GiveConsent,
@@ -88,6 +88,7 @@ class TabUI:
         texts: texts of the game's language. None before the keeper has sent them.
         run: id of this run of the program; see `ParticipantReady`.
         declined: True if the participant has declined to take part. Then this program must leave.
+        present: False while the participant is away from their front end; only a game with several seats needs it.
     """
 
     def __init__(
@@ -108,6 +109,7 @@ class TabUI:
         self.texts: Texts | None = None
         self.run = ""
         self.declined = False
+        self.present = self._shown_present = True
         self._introduce = False
         self._renew_at: int | None = None
         # For each present request of the player: its number, and the last tick for this number. Then the tick at which
@@ -159,6 +161,10 @@ class TabUI:
             if self._consent is not None:
                 outgoing.append(encode_request_line(self._consent, seat=self._seat))
             outgoing.append(encode_notice(self.name, KEEPER, ParticipantReady(self.run)))
+            self._shown_present = True
+        if self._seat and self.present != self._shown_present:
+            self._shown_present = self.present
+            outgoing.append(encode_notice(self.name, KEEPER, ReportPresence(self.present)))
         if self._observer is not None and self._renew_at is not None and tick >= self._renew_at:
             self._renew_at = tick + RENEWAL_PERIOD
             outgoing.append(encode_notice(self.name, legacy.SIMR, Subscribe()))

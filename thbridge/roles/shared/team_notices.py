@@ -42,6 +42,12 @@ class TeamTalk(NoticeValue, frozen=True, tag="Talk"):
     lines: tuple[TalkLine, ...]
 
 
+class ReportPresence(NoticeValue, frozen=True, tag="Present"):
+    """Participant to keeper: the participant is at their front end now, or is not. A program joins with one."""
+
+    present: bool
+
+
 class SayToPeople(NoticeValue, frozen=True, tag="Say"):
     """Participant to keeper: send a text to another participant, or to all.
 

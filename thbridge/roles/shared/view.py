@@ -228,7 +228,7 @@ class Teammate:
 
     Attributes:
         seat: the seat, with its rights.
-        present: True if its participant has joined.
+        present: True if its participant is connected, and not away from their front end.
     """
 
     seat: Seat

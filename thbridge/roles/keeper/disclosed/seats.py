@@ -38,12 +38,14 @@ class ParticipantSeat:
         seat: the seat.
         participants: programs of the participant.
         consent: consent of the participant.
+        is_away: True while the participant is away from their front end.
     """
 
     def __init__(self, seat: Seat, briefing: Briefing) -> None:
         self.seat = seat
         seen = briefing if seat.sees_map else replace(briefing, floor_plan=None)
         self.participants = Participants(KEEPER, seen)
+        self.is_away = False
         self.consent = ConsentAnswer(briefing.consent is not None, seat.name)
 
     def first_events(self, former: GameState | None) -> tuple[ConsentGiven, ...]:
@@ -67,7 +69,7 @@ def view_of_seat(
         view: view of a participant who sees everything.
         state: state of the game.
         seat: the seat.
-        joined: names of the seats whose participants have joined.
+        joined: names of the seats whose participants are present.
         decisions: open votes.
         read: number of the last text that a program of the seat has shown.
         talk_is_open: True if participants may send texts to each other now.
