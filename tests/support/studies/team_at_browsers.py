@@ -18,6 +18,7 @@ seats:
   - {name: judge, label: the judge, sees_dialogues: own, sees_energy: false, sees_map: false, sees_score: false}
 team: {agreement: {end: one}}
 """
+END = {"act": "EndGameAct"}
 SEATS = ("north", "south", "judge")
 TEAM: Study = read_study_text(Path("team.yaml"), TEAM_TEXT)
 
@@ -72,7 +73,9 @@ async def end(browser: BrowserClient) -> None:
         await browser.act(browser.tree["dialogue"]["aside"]["act"])
         await browser.until(lambda: browser.tree["dialogue"] is None)
         await asyncio.sleep(0.4)
-    await browser.act({"act": "EndGameAct"})
+    # Robots of other seats must have arrived.
+    await browser.until(lambda: any(each["act"] == END and each["enabled"] for each in browser.tree["tools"]))
+    await browser.act(END)
     await browser.until(lambda: browser.tree["question"])
     await asyncio.sleep(0.4)
     await browser.act(browser.tree["question"]["buttons"][0]["act"])

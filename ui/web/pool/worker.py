@@ -456,7 +456,9 @@ class Worker:
             self._connected.set()
             while line := await reader.readline():
                 self._receive(seat, TO_WORKER.decode(line))
-        except (msgspec.MsgspecError, ValueError, ConnectionError) as error:
+        except ConnectionError:
+            pass  # The gateway has died, or the person has gone on.
+        except (msgspec.MsgspecError, ValueError) as error:
             _log.warning("the gateway's connection is closed: %s", error)
         finally:
             if gateway is not None and gateway.writer is writer:
