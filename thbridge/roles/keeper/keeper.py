@@ -585,7 +585,7 @@ class Keeper:
                         state,
                         place.seat,
                         self._present,
-                        self._game.team.decisions.views(),
+                        self._game.team.decisions,
                         talk.read_until(place.seat.name),
                         talk_is_open=talk.is_open(self._game.seconds),
                     )

@@ -12,6 +12,8 @@ from thbridge.dialogue.moves import Conclude, DialogueUtterance, Scenario, Speak
 from thbridge.dialogue.robot_arguments import WhereFacts
 from thbridge.hunt import game, rules
 from thbridge.hunt.events import (
+    DecisionOutcome,
+    DecisionSettled,
     DialogueOpened,
     DialogueSaid,
     GameStarted,
@@ -215,7 +217,7 @@ class OpenGame:
         if isinstance(event, KeyUsed):
             return
         if isinstance(event, TeamEntry):
-            self.team.note(event)
+            self._note_team(event)
             return
         if isinstance(event, DialogueOpened | DialogueSaid):
             if self.state is not None:
@@ -235,6 +237,19 @@ class OpenGame:
         robot = getattr(event, "robot", None)
         if isinstance(robot, int):
             self.attend(robot)
+
+    def _note_team(self, entry: TeamEntry) -> None:
+        """Process an entry about participants. A vote without success also ends the agreement with the robot.
+
+        Otherwise the programs of participants would propose the same again at once.
+        """
+        if isinstance(entry, DecisionSettled) and entry.outcome is not DecisionOutcome.CARRIED:
+            proposed = self.team.decisions.proposed(entry.decision)
+            if proposed is not None and proposed.robot is not None:
+                self.dialogues.agreements.withdraw(proposed.robot, "select-room")
+            elif proposed is not None and proposed.room is not None:
+                self.dialogues.agreements.withdraw_name(proposed.room, proposed.name)
+        self.team.note(entry)
 
     def _begin(self, started: GameStarted) -> None:
         self.state = game.begin(started)

@@ -9,6 +9,8 @@ from thbridge.text_protocol.wire.notice_format import NoticeValue
 
 LONGEST_TEXT = 500
 """Greatest length of a text, characters."""
+LONGEST_REASON = 200
+"""Greatest length of the reason of a vote, characters."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,3 +121,16 @@ class DecisionView:
     needs: int
     ends_at: float
     votes: tuple[VoteView, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SettledView:
+    """Vote that has ended.
+
+    Attributes:
+        decision: the decision, with its last votes.
+        outcome: outcome. A decision is void if it became impossible before all votes were cast.
+    """
+
+    decision: DecisionView
+    outcome: Literal["carried", "rejected", "expired", "void"]

@@ -15,7 +15,7 @@ from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.properties import OF_2016, Properties, TreasureProperty
 from thbridge.hunt.seats import Seat
 from thbridge.hunt.treasures import name_in_words
-from thbridge.roles.shared.team_notices import DecisionView, MarkRead, SayToPeople, Vote
+from thbridge.roles.shared.team_notices import DecisionView, MarkRead, SayToPeople, SettledView, Vote
 from thbridge.text_protocol.wire.notice_format import COUNTED, Notice, NoticeValue, decode_notice, kind_of
 
 
@@ -247,6 +247,7 @@ class TeamView:
         decisions: open votes.
         talk_is_open: True if participants may send texts to each other now.
         read: number of the last text that a program of this seat has shown; 0 before the first.
+        settled: the last votes that have ended, oldest first.
     """
 
     own: Seat
@@ -256,6 +257,7 @@ class TeamView:
     decisions: tuple[DecisionView, ...] = ()
     talk_is_open: bool = False
     read: int = 0
+    settled: tuple[SettledView, ...] = ()
 
 
 class View(NoticeValue, frozen=True, tag="View"):

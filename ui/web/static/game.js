@@ -4,6 +4,7 @@ import { button, buttons, element, list, set, showButton } from "./dom.js";
 import { GameMap } from "./map.js";
 import { applied } from "./patches.js";
 import { play } from "./sounds.js";
+import { Votes } from "./votes.js";
 
 const REPEATING = new Set(["Tab", "Shift+Tab", "Up", "Down"]);
 const NAMES = { Escape: "Esc", " ": "Space", ArrowUp: "Up", ArrowDown: "Down", Return: "Enter" };
@@ -68,7 +69,8 @@ export class GamePage {
     part.tools = element("div", { class: "tools" });
     part.mapSwitch = element("button", { type: "button", class: "map-switch", text: words["map.name"], "aria-expanded": "false" });
     part.mapSwitch.addEventListener("click", () => this.#switchMap());
-    const figures = element("p", { class: "figures" }, part.game, element("span", { class: "muted", text: words["window.score"] }), part.score, part.progress);
+    part.scored = element("span", { class: "muted", text: words["window.score"] });
+    const figures = element("p", { class: "figures" }, part.game, part.scored, part.score, part.progress);
     const top = this.#region("section", words["window.score_and_tools"], figures, part.mapSwitch, part.tools);
     top.classList.add("top");
     part.cards = this.#region("section", words["window.robots"]);
@@ -82,8 +84,10 @@ export class GamePage {
     const waiting = this.#region("section", words["window.what_waits"], part.queue, part.waiting);
     part.history = element("ol", { class: "history", tabindex: "0", "aria-label": words["window.history"] });
     this.map = new GameMap(this.act, words["map.name"]);
+    this.votes = new Votes(words, this.act, this.#region("section", words["votes.title"]));
+    part.noMap = element("p", { class: "no-map muted", hidden: true });
     part.pops = element("div", { class: "pops" }, part.dialogue, part.treasure, part.ending);
-    part.area = element("div", { class: "area" }, this.map.element, part.banner, part.pops);
+    part.area = element("div", { class: "area" }, this.map.element, part.noMap, part.banner, this.votes.element, part.pops);
     part.column = element("div", { class: "column" }, part.cards, part.rooms);
     part.below = element("div", { class: "below" }, waiting, part.history);
     part.question = element("dialog", { class: "question" });
@@ -121,7 +125,12 @@ export class GamePage {
     set(part.banner, { text: page.banner, hidden: !page.banner, "data-bad": page.trouble });
     set(part.advise, { text: page.advise, hidden: !page.advise });
     set(part.game, { text: page.game, hidden: !page.game });
-    set(part.score, { text: page.score, "aria-label": page.score_spoken });
+    part.scored.hidden = !page.score;
+    set(part.score, { text: page.score, "aria-label": page.score_spoken, hidden: !page.score });
+    this.map.element.hidden = !!page.no_map;
+    part.mapSwitch.hidden = !!page.no_map;
+    set(part.noMap, { text: page.no_map, hidden: !page.no_map });
+    this.votes.show(page.votes);
     set(part.progress, { text: page.progress });
     buttons(part.tools, page.tools, this.act, { weight: "quiet", hints: false });
     list(part.cards, page.cards, (card) => card.robot, () => this.#makeCard(), (made, card) => showCard(made, card, this.act));
@@ -392,6 +401,7 @@ export class GamePage {
     }
     const focused = document.activeElement;
     const onButton = focused instanceof HTMLButtonElement;
+    if (focused instanceof HTMLInputElement || focused instanceof HTMLTextAreaElement) return; // A person writes.
     if (onButton && name === "Enter") return;
     if (event.repeat && !REPEATING.has(name)) return;
     const known = this.page.keys.includes(name);
@@ -446,13 +456,13 @@ function keyName(event) {
 }
 
 function showCard(made, card, act) {
-  set(made, { "data-selected": card.selected, style: `--robot: var(--robot${card.robot % 10})` });
+  set(made, { "data-selected": card.selected, "data-asked": card.asked_for, style: `--robot: var(--robot${card.robot % 10})` });
   showButton(made.select, card.select, { hints: false });
   set(made.select, { "aria-pressed": String(card.selected) });
   set(made.select.parts.label, { text: card.name });
   set(made.chip, { text: String(card.number) });
-  set(made.energy, { text: card.energy[1] ?? card.energy[0], "data-bad": !card.affordable });
-  set(made.bar, { "data-bad": !card.affordable });
+  set(made.energy, { text: card.energy[1] ?? card.energy[0] ?? "", "data-bad": !card.affordable });
+  set(made.bar, { "data-bad": !card.affordable, hidden: !card.energy.length });
   set(made.bar.children[0], { style: `width:${100 * card.left}%` });
   set(made.bar.children[1], { style: `width:${100 * card.kept}%` });
   const state = card.warning || [card.commander, card.state, card.place].filter(Boolean).join(" · ");

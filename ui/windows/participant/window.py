@@ -170,7 +170,7 @@ class ParticipantWindow(QWidget):
         self._connect()
 
     def _connect(self) -> None:
-        for part in (self.consent, self.top, self.column, self.waiting):
+        for part in (self.consent, self.top, self.column, self.waiting, self.map_area.votes):
             part.requested.connect(self.do)
         self._panels: tuple[TitledPanel, ...] = (
             self.dialogue,
@@ -196,7 +196,7 @@ class ParticipantWindow(QWidget):
         if self._screen is not None and self._screen.phase in self._page_of:
             return [self._page_of[self._screen.phase]]
         pops: list[QWidget] = [panel for panel in (self.dialogue, self.treasure, self.ending) if panel.isVisible()]
-        return [*pops, self.top, self.column.cards, self.column.rooms, self.waiting, self.history]
+        return [*pops, self.map_area.votes, self.top, self.column.cards, self.column.rooms, self.waiting, self.history]
 
     # Each frame -------------------------------------------------------------------------------------------------------
 
@@ -292,6 +292,8 @@ class ParticipantWindow(QWidget):
         set_text(self.column.hint, remark_of(self._texts, screen))
         self.waiting.show_waiting(screen.waiting, screen.nothing_waits)
         self.history.show_history(screen.history)
+        self.map_area.show_no_map(screen.no_map)
+        self.map_area.show_votes(screen.votes)
         self._show_pops(screen, before, now)
         self._keyboard.show_screen(screen)
         self._announce(screen)

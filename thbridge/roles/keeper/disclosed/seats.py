@@ -12,9 +12,9 @@ from thbridge.hunt.seats import DialogueSight, Seat
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.keeper.disclosed.consent import ConsentAnswer
 from thbridge.roles.keeper.disclosed.participants import Participants
+from thbridge.roles.keeper.team.decisions import TeamDecisions
 from thbridge.roles.shared.notices import KEEPER
 from thbridge.roles.shared.seat_rights import may_discuss
-from thbridge.roles.shared.team_notices import DecisionView
 from thbridge.roles.shared.view import (
     Debrief,
     DialogueMatter,
@@ -58,7 +58,7 @@ def view_of_seat(
     state: GameState,
     seat: Seat,
     joined: Collection[str],
-    decisions: tuple[DecisionView, ...],
+    decisions: TeamDecisions,
     read: int = 0,
     *,
     talk_is_open: bool = False,
@@ -70,7 +70,7 @@ def view_of_seat(
         state: state of the game.
         seat: the seat.
         joined: names of the seats whose participants are present.
-        decisions: open votes.
+        decisions: votes of the game.
         read: number of the last text that a program of the seat has shown.
         talk_is_open: True if participants may send texts to each other now.
     """
@@ -112,7 +112,8 @@ def view_of_seat(
                 for each in shown
                 if not is_mine(each.robot, each.matter)
             ),
-            decisions=decisions,
+            decisions=decisions.views(),
+            settled=decisions.settled,
             talk_is_open=talk_is_open,
             read=read,
         ),
@@ -123,7 +124,8 @@ def view_of_seat(
 
 
 def _robot_of_seat(robot: RobotView, state: GameState, seat: Seat, labels: dict[str, str]) -> RobotView:
-    command = state.robots[robot.robot].command
+    command, asker = state.robots[robot.robot].command, state.robots[robot.robot].asked_by
+    robot = replace(robot, asked_back=robot.asked_back and asker == seat.name)
     if command.by is not Commander.PARTICIPANT or command.name == seat.name:
         return robot
     return replace(robot, commander=Commander.TEAMMATE, commander_name=labels.get(command.name, ""))

@@ -71,7 +71,10 @@ def handle_participant_request(
         case RequestHandback():
             ruling = judge(now, request)
             # A quick repetition has no effect, unless the request has become impossible.
-            if isinstance(ruling, RequestRefused) or request.robot not in game.handbacks.robots:
+            asker = "" if seat is None else seat.name
+            if isinstance(ruling, RequestRefused) or not (
+                request.robot in game.handbacks.robots and state.robots[request.robot].asked_by == asker
+            ):
                 game.apply_ruling(kind, ruling)
         case StopRobot():
             if game.apply_ruling(kind, judge(now, request)):

@@ -1,5 +1,6 @@
 """Decisions on which several participants vote."""
 
+from collections import deque
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -13,11 +14,11 @@ from thbridge.hunt.events import (
     VoteCast,
 )
 from thbridge.hunt.rooms import Room
-from thbridge.roles.shared.team_notices import DecisionView, VoteView
+from thbridge.roles.shared.team_notices import LONGEST_REASON, DecisionView, SettledView, VoteView
 from thbridge.roles.shared.view import EndGame, IdentifyTreasure, SendRobot
 
-LONGEST_REASON = 200
-"""Greatest length of a reason, characters."""
+KEPT = 8
+"""Number of ended votes that views contain."""
 
 VotedRequest: TypeAlias = SendRobot | IdentifyTreasure | EndGame
 """Request that may need the agreement of several participants."""
@@ -80,6 +81,7 @@ class TeamDecisions:
     def __init__(self, rules: VotingRules) -> None:
         self._rules = rules
         self._open: dict[int, _OpenDecision] = {}
+        self._settled: deque[SettledView] = deque(maxlen=KEPT)
         self._count = 0
 
     def needs_vote(self, request: VotedRequest, people: int) -> bool:
@@ -146,7 +148,9 @@ class TeamDecisions:
                 if entry.decision in self._open:
                     self._open[entry.decision].votes[entry.seat] = entry
             case DecisionSettled():
-                self._open.pop(entry.decision, None)
+                if entry.decision in self._open:
+                    self._settled.append(SettledView(self._view(entry.decision), entry.outcome.value))
+                    del self._open[entry.decision]
 
     @property
     def open(self) -> tuple[DecisionProposed, ...]:
@@ -155,19 +159,26 @@ class TeamDecisions:
 
     def views(self) -> tuple[DecisionView, ...]:
         """Return the open votes in the form for participants."""
-        return tuple(
-            DecisionView(
-                decision=number,
-                seat=each.proposed.seat,
-                kind=each.proposed.kind.value,
-                robot=each.proposed.robot,
-                room=None if each.proposed.room is None else each.proposed.room.people,
-                name=each.proposed.name,
-                needs=each.proposed.needs,
-                ends_at=each.proposed.at + self._rules.timeout,
-                votes=tuple(VoteView(vote.seat, vote.agrees, vote.reason) for vote in each.votes.values()),
-            )
-            for number, each in self._open.items()
+        return tuple(map(self._view, self._open))
+
+    @property
+    def settled(self) -> tuple[SettledView, ...]:
+        """The last votes that have ended, oldest first, in the form for participants."""
+        return tuple(self._settled)
+
+    def _view(self, number: int) -> DecisionView:
+        known = self._open[number]
+        proposed = known.proposed
+        return DecisionView(
+            decision=number,
+            seat=proposed.seat,
+            kind=proposed.kind.value,
+            robot=proposed.robot,
+            room=None if proposed.room is None else proposed.room.people,
+            name=proposed.name,
+            needs=proposed.needs,
+            ends_at=proposed.at + self._rules.timeout,
+            votes=tuple(VoteView(vote.seat, vote.agrees, vote.reason) for vote in known.votes.values()),
         )
 
 

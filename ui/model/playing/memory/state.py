@@ -57,6 +57,13 @@ class LeaveWindow:
 
 
 @dataclass(frozen=True, slots=True)
+class HandOverStep:
+    """Step that needs a choice: the participant hands over a robot to a teammate."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
 class Note:
     """Sentence that is shown for a limited time.
 
@@ -71,7 +78,7 @@ class Note:
     about: PopupItem | None = None
 
 
-PendingStep = Reroute | DepartUndecided | EndGameEarly | LeaveLastTreasure | LeaveWindow
+PendingStep = Reroute | DepartUndecided | EndGameEarly | LeaveLastTreasure | LeaveWindow | HandOverStep
 """Step that waits for the participant's confirmation."""
 
 
