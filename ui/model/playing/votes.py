@@ -9,6 +9,7 @@ from thbridge.roles.shared.team_notices import DecisionView, Vote, VoteView
 from thbridge.roles.shared.view import TeamView, View
 from ui.model.playing.keys import question_keys
 from ui.model.playing.memory.state import HuntMemory
+from ui.model.playing.people import shown_text
 from ui.model.playing.screen import Action, CastVote, OpenVote, VoteAct
 from ui.model.playing.seat_view import decision_about, decisions, label_of
 from ui.model.playing.words import clock_words
@@ -62,7 +63,7 @@ def vote_words(texts: Texts, view: View, vote: VoteView) -> str:
     key = f"votes.{'you_' if own else ''}{'agree' if vote.agrees else 'disagree'}{'' if own else 's'}"
     if not vote.reason:
         return texts.text(key, seat=label_of(view, vote.seat))
-    return texts.text(f"{key}_because", seat=label_of(view, vote.seat), reason=vote.reason)
+    return texts.text(f"{key}_because", seat=label_of(view, vote.seat), reason=shown_text(vote.reason))
 
 
 def needed(texts: Texts, view: View, decision: DecisionView) -> str:
