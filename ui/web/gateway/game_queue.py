@@ -38,6 +38,6 @@ class GameQueue:
         return not self.is_closed and self._pool.free > self.before(key)
 
     @property
-    def has_room(self) -> bool:
-        """True if a game can start now in addition to the games of all people who wait in this queue."""
-        return not self.is_closed and self._pool.free > len(self._waiting)
+    def spare(self) -> int:
+        """Number of games that can start now in addition to the games of all people who wait in this queue."""
+        return 0 if self.is_closed else max(self._pool.free - len(self._waiting), 0)

@@ -1,19 +1,12 @@
-"""Lobby: people wait there until the seats of a game are filled."""
+"""Lobby: people at browsers wait there until the seats of a game are filled."""
 
-import asyncio
 import time
 from collections.abc import Awaitable, Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 from ui.web.gateway.browser_window import BrowserWindow
-from ui.web.gateway.matching import MatchingRule, WaitingPerson
-
-OUT = 10.0
-"""Seconds without a browser after which a person is not in the lobby any more. When they come back, they wait behind
-all others."""
-LOOK = 0.2
-"""Seconds between two looks if the browser of a person is back."""
+from ui.web.gateway.matching import MatchedGame, Matching
 
 
 class WaitEnd(Enum):
@@ -23,103 +16,98 @@ class WaitEnd(Enum):
     """The person's game starts."""
     STOPPED = "stopped"
     """The person does not want to wait."""
-    TOO_LONG = "too long"
-    """The person has waited so long that they need not wait any longer."""
+    UNMATCHED = "unmatched"
+    """The rule has ended the wait: too few people have come."""
     CLOSED = "closed"
     """No further games start on this server."""
 
 
-@dataclass(frozen=True, slots=True)
-class GamePlace:
-    """Place of a person in a game of several.
+@dataclass(slots=True)
+class _Waiting:
+    """Person who waits; `since` is the time since which they are in the lobby, or None if they are not."""
 
-    Attributes:
-        game: key of the game.
-        seat: name of their seat.
-        people: all people of the game, by their seats.
-    """
-
-    game: str
-    seat: str
-    people: Mapping[str, str]
+    is_here: Callable[[], bool]
+    since: float | None = None
+    game: MatchedGame | None = field(default=None)
+    has_ended: bool = False
 
 
-class Lobby:
+class ServedLobby:
     """People who wait for a game of several. They take places only when a game starts.
 
-    A person who leaves, or whose browser is not connected at the moment, is not matched, and blocks nobody.
+    A person whose browser is not connected is not in the lobby, and blocks nobody. When they come back, they wait
+    behind all others.
 
     Args:
-        rule: rule of which people play together.
-        begin: function that receives the people of a game that starts, by their seats, and returns its key.
-        has_room: function that returns True if another game can start now.
+        matching: rule of who plays together.
+        begin: function that receives each game that starts.
+        room: function that returns the number of games that can start now.
         clock: monotonic clock, seconds.
     """
 
     def __init__(
         self,
-        rule: MatchingRule,
-        begin: Callable[[Mapping[str, str]], str],
-        has_room: Callable[[], bool],
+        matching: Matching,
+        begin: Callable[[MatchedGame], None],
+        room: Callable[[], int],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._rule = rule
+        self._matching = matching
         self._begin = begin
-        self._has_room = has_room
+        self._room = room
         self._clock = clock
-        self._waiting: dict[str, tuple[WaitingPerson, Callable[[], bool]]] = {}
-        self._places: dict[str, GamePlace] = {}
+        self._people: dict[str, _Waiting] = {}
 
     def enter(self, person: str, is_here: Callable[[], bool]) -> None:
-        """Let a person wait behind all others; `is_here` returns True while their browser is connected."""
-        self._waiting[person] = WaitingPerson(person, self._clock()), is_here
+        """Let a person wait; `is_here` returns True while their browser is connected."""
+        self._people[person] = _Waiting(is_here)
 
     def leave(self, person: str) -> None:
-        """Stop waiting; this has no effect on a person whose game has started."""
-        self._waiting.pop(person, None)
+        """Stop waiting."""
+        self._people.pop(person, None)
+        self._matching.leave(person)
 
-    def place(self, person: str) -> GamePlace | None:
-        """Return the place of a person whose game has started, after all games that can start now have started."""
-        while self._has_room() and self._start():
-            pass
-        return self._places.get(person)
+    def look(self, person: str) -> tuple[MatchedGame | None, bool]:
+        """Return the game of a person who has entered, if it has started, and True if their wait has ended without one.
 
-    def take_place(self, person: str) -> GamePlace | None:
-        """Return the place of a person as `place` does, and forget it."""
-        self.place(person)
-        return self._places.pop(person, None)
-
-    def waits_too_long(self, person: str) -> bool:
-        """Return True if a person need not wait any longer."""
-        return person in self._waiting and self._rule.ends_wait(self._waiting[person][0], self._clock())
+        All games start that can start now.
+        """
+        self._update()
+        waiting = self._people[person]
+        return waiting.game, waiting.has_ended
 
     @property
     def seconds(self) -> Mapping[str, float]:
-        """Seconds for which each person has waited, in the order of their arrival."""
+        """Seconds for which each person in the lobby has waited."""
         now = self._clock()
-        return {person: now - each.since for person, (each, _) in self._waiting.items()}
+        return {person: now - each.since for person, each in self._people.items() if each.since is not None}
 
-    def _start(self) -> bool:
-        """Start a game if the rule finds one."""
-        here = [each for each, is_here in self._waiting.values() if is_here()]
-        people = self._rule.next_game(here, self._clock())
-        if people is None:
-            return False
-        game = self._begin(people)
-        for seat, person in people.items():
-            del self._waiting[person]
-            self._places[person] = GamePlace(game, seat, people)
-        return True
+    def _update(self) -> None:
+        now = self._clock()
+        for person, each in self._people.items():
+            waits = each.game is None and not each.has_ended and each.is_here()
+            if waits and each.since is None:
+                self._matching.enter(person, now)
+            elif not waits and each.since is not None:
+                self._matching.leave(person)
+            each.since = None if not waits else now if each.since is None else each.since
+        matches = self._matching.update(now, self._room())
+        for game in matches.games:
+            for person in game.people.values():
+                self._people[person].game, self._people[person].since = game, None
+            self._begin(game)
+        for person in matches.ended:
+            self._people[person].has_ended, self._people[person].since = True, None
 
 
 async def await_place(
-    lobby: Lobby,
+    lobby: ServedLobby,
     person: str,
     window: BrowserWindow,
     show: Callable[[Callable[[], bool]], Awaitable[bool]],
     is_closed: Callable[[], bool],
-) -> tuple[WaitEnd, GamePlace | None]:
-    """Let a person wait in a lobby; return the end of the wait, and the person's place if their game starts.
+) -> tuple[WaitEnd, MatchedGame | None]:
+    """Let a person wait in a lobby; return the end of the wait, and their game if it starts.
 
     Args:
         lobby: the lobby.
@@ -129,24 +117,14 @@ async def await_place(
             waiting.
         is_closed: function that returns True after no further games start.
     """
-
-    def is_over() -> bool:
-        has_place = lobby.place(person) is not None
-        return has_place or is_closed() or window.absence > OUT or lobby.waits_too_long(person)
-
-    while True:
-        while window.absence > 0.0 and not is_closed():
-            await asyncio.sleep(LOOK)
-        lobby.enter(person, lambda: window.absence == 0.0)
-        try:
-            waits = await show(is_over)
-            if (place := lobby.take_place(person)) is not None:
-                return WaitEnd.PLACED, place
-            if is_closed():
-                return WaitEnd.CLOSED, None
-            if not waits:
-                return WaitEnd.STOPPED, None
-            if lobby.waits_too_long(person):
-                return WaitEnd.TOO_LONG, None
-        finally:
-            lobby.leave(person)
+    lobby.enter(person, lambda: window.absence == 0.0)
+    try:
+        waits = await show(lambda: is_closed() or lobby.look(person) != (None, False))
+        game, has_ended = lobby.look(person)
+    finally:
+        lobby.leave(person)
+    if game is not None:
+        return WaitEnd.PLACED, game
+    if has_ended:
+        return WaitEnd.UNMATCHED, None
+    return WaitEnd.STOPPED if not waits else WaitEnd.CLOSED, None

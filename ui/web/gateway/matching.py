@@ -1,6 +1,6 @@
-"""Rules of which people in a lobby play together. They know no sockets, clocks or games."""
+"""Matching of people for games of several: who plays together. It knows no sockets; times are arguments."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -9,51 +9,80 @@ LONGEST_WAIT = 1800.0
 
 
 @dataclass(frozen=True, slots=True)
-class WaitingPerson:
-    """Person who waits in a lobby.
+class MatchedGame:
+    """Game of several people.
 
     Attributes:
-        person: key of the person.
-        since: time since which they wait, seconds of any clock.
+        key: key of the game.
+        people: key of the person in each seat, by the seat's name.
     """
 
-    person: str
-    since: float
+    key: str
+    people: Mapping[str, str]
 
-
-class MatchingRule(Protocol):
-    """Rule of which people play together."""
-
-    def next_game(self, waiting: Sequence[WaitingPerson], now: float) -> Mapping[str, str] | None:
-        """Return the people of a game that can start now, by their seats; None if no game can start.
-
-        Args:
-            waiting: people who wait and whose browsers are connected, in the order of their arrival.
-            now: present time, on the clock of `WaitingPerson.since`.
-        """
-
-    def ends_wait(self, person: WaitingPerson, now: float) -> bool:
-        """Return True if a person has waited so long that they need not wait any longer."""
+    def seat_of(self, person: str) -> str:
+        """Return the seat of a person."""
+        return next(seat for seat, each in self.people.items() if each == person)
 
 
 @dataclass(frozen=True, slots=True)
-class MatchByArrival:
-    """Rule that fills all seats of a game by order of arrival; see `MatchingRule`.
+class Matches:
+    """Changes among people who wait.
 
     Attributes:
+        games: games that start.
+        ended: people whose wait ends without a game.
+    """
+
+    games: tuple[MatchedGame, ...] = ()
+    ended: tuple[str, ...] = ()
+
+
+class Matching(Protocol):
+    """People who wait, and the rule of who plays together. All times are in seconds of the same clock."""
+
+    def enter(self, person: str, now: float) -> None:
+        """Let a person wait behind all others."""
+
+    def leave(self, person: str) -> None:
+        """Stop waiting; this has no effect on a person who does not wait."""
+
+    def update(self, now: float, most: int) -> Matches:
+        """Return the games that start now, at most this number, and the waits that end now."""
+
+
+class MatchByArrival:
+    """Matching that fills all seats of a game by order of arrival; see `Matching`.
+
+    Args:
         seats: names of the seats, in the order in which they are filled.
+        new_key: function that returns the key of another game.
         longest: seconds after which a person need not wait any longer.
     """
 
-    seats: tuple[str, ...]
-    longest: float = LONGEST_WAIT
+    def __init__(self, seats: tuple[str, ...], new_key: Callable[[], str], longest: float = LONGEST_WAIT) -> None:
+        self._seats = seats
+        self._new_key = new_key
+        self._longest = longest
+        self._since: dict[str, float] = {}
 
-    def next_game(self, waiting: Sequence[WaitingPerson], now: float) -> Mapping[str, str] | None:
-        """See `MatchingRule`."""
-        if len(waiting) < len(self.seats):
-            return None
-        return {seat: each.person for seat, each in zip(self.seats, waiting, strict=False)}
+    def enter(self, person: str, now: float) -> None:
+        """See `Matching`."""
+        self._since[person] = now
 
-    def ends_wait(self, person: WaitingPerson, now: float) -> bool:
-        """See `MatchingRule`."""
-        return now - person.since > self.longest
+    def leave(self, person: str) -> None:
+        """See `Matching`."""
+        self._since.pop(person, None)
+
+    def update(self, now: float, most: int) -> Matches:
+        """See `Matching`."""
+        games: list[MatchedGame] = []
+        while len(games) < most and len(self._since) >= len(self._seats) > 0:
+            people = dict(zip(self._seats, [*self._since], strict=False))
+            games.append(MatchedGame(self._new_key(), people))
+            for person in people.values():
+                del self._since[person]
+        ended = tuple(person for person, since in self._since.items() if now - since > self._longest)
+        for person in ended:
+            del self._since[person]
+        return Matches(tuple(games), ended)

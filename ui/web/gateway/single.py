@@ -32,8 +32,8 @@ from ui.model.kiosk import (
 from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.entry import LinkEntry
 from ui.web.gateway.game_queue import LONGEST_WAIT, GameQueue
-from ui.web.gateway.lobby import Lobby, WaitEnd, await_place
-from ui.web.gateway.matching import MatchByArrival
+from ui.web.gateway.lobby import ServedLobby, WaitEnd, await_place
+from ui.web.gateway.matching import MatchByArrival, MatchedGame
 from ui.web.gateway.people import Visitor
 from ui.web.gateway.waiting import pause, show_turn
 from ui.web.pool.messages import FromWorker, GamePassed, SeatWentOn
@@ -113,7 +113,8 @@ class SingleGames:
         # Times of consent of the people in the lobby.
         self._agreed: dict[str, str] = {}
         self._labels = {seat.name: seat.label for seat in seats_of(study.seats)}
-        self._lobby = Lobby(MatchByArrival(tuple(self._labels)), self._begin_game, lambda: queue.has_room)
+        matching = MatchByArrival(tuple(self._labels), lambda: f"game-{secrets.token_hex(_DIGEST // 2)}")
+        self._lobby = ServedLobby(matching, self._begin_game, lambda: queue.spare)
         for key, group in pool.games.groups():
             self._add(key, self._request(Path(group.bag), group.consents), group.people)
 
@@ -188,14 +189,12 @@ class SingleGames:
         self._games.update(dict.fromkeys(game.people, game))
         return game
 
-    def _begin_game(self, people: Mapping[str, str]) -> str:
-        """Add a game whose people were in the lobby; return its key."""
-        key = f"game-{secrets.token_hex(_DIGEST // 2)}"
-        consents = {seat: self._agreed.pop(person) for seat, person in people.items()}
-        game = self._add(key, self._request(self._new_bag(), consents), people)
-        self._pool.games.keep_group(key, game.record)
-        self._pool.reserve(key)
-        return key
+    def _begin_game(self, matched: MatchedGame) -> None:
+        """Add a game whose people were in the lobby."""
+        consents = {seat: self._agreed.pop(person) for seat, person in matched.people.items()}
+        game = self._add(matched.key, self._request(self._new_bag(), consents), matched.people)
+        self._pool.games.keep_group(game.key, game.record)
+        self._pool.reserve(game.key)
 
     def _finish(self, game: ServedGame, person: str) -> None:
         """Note that a person has finished their game; after the last one, delete its files."""
@@ -245,7 +244,7 @@ class SingleGames:
                     return True
                 case WaitEnd.CLOSED:
                     await pause(window, texts)
-                case WaitEnd.TOO_LONG:
+                case WaitEnd.UNMATCHED:
                     await window.send(TextToRead(0, *headed(texts, "no_others", "web"), ""))
                     return False
                 case WaitEnd.STOPPED:
