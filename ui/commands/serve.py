@@ -68,7 +68,7 @@ def serve(
         typer.Option("--drain", help="Ask the server of this folder to start no games, and to end after its games."),
     ] = False,
 ) -> None:
-    """Serve games to browsers: one game of a study file for each visitor, or a whole study with people."""
+    """Serve games to browsers: a game of a study file for each visitor, or for several together, or a whole study."""
     try:
         from ui.web.gateway.serving import ServerOptions, serve_games
     except ModuleNotFoundError as missing:

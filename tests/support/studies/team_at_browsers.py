@@ -38,7 +38,7 @@ async def playing(browser: BrowserClient) -> None:
 
 def own_robots(browser: BrowserClient) -> list[int]:
     """Return the numbers of the robots that the person commands."""
-    return [card["number"] for card in browser.tree["cards"] if not card["commander"]]
+    return [card["number"] for card in browser.tree["cards"] if card["commander"] == "You"]
 
 
 def seat_of(browser: BrowserClient) -> str:
