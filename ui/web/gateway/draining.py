@@ -10,6 +10,7 @@ from pathlib import Path
 import msgspec
 
 from ui.web.gateway.game_queue import GameQueue
+from ui.web.gateway.single import SHARED_GAME
 from ui.web.pool.running_games import RunningGames
 
 LOOK = 0.2
@@ -94,5 +95,8 @@ def _sentence(keys: Iterable[str]) -> str:
     named = []
     for key in keys:
         found = _STUDY_GAME.fullmatch(key)
-        named.append("a visitor" if found is None else f"{found['person']} (step {found['step']})")
+        if found is not None:
+            named.append(f"{found['person']} (step {found['step']})")
+        else:
+            named.append("several visitors" if key.startswith(SHARED_GAME) else "a visitor")
     return f"Still playing: {', '.join(named)}." if named else "All games have ended."

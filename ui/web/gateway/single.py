@@ -43,6 +43,8 @@ from ui.web.pool.single_game import SingleGame
 
 MOST_ABSENCE = 300.0
 """Seconds without the browser of any person of a game after which the game ends."""
+SHARED_GAME = "game-"
+"""Prefix of the keys of games of several visitors."""
 _DIGEST = 16
 
 
@@ -113,7 +115,7 @@ class SingleGames:
         # Times of consent of the people in the lobby.
         self._agreed: dict[str, str] = {}
         self._labels = {seat.name: seat.label for seat in seats_of(study.seats)}
-        matching = MatchByArrival(tuple(self._labels), lambda: f"game-{secrets.token_hex(_DIGEST // 2)}")
+        matching = MatchByArrival(tuple(self._labels), lambda: f"{SHARED_GAME}{secrets.token_hex(_DIGEST // 2)}")
         self._lobby = ServedLobby(matching, self._begin_game, lambda: queue.spare)
         for key, group in pool.games.groups():
             self._add(key, self._request(Path(group.bag), group.consents), group.people)
@@ -232,13 +234,16 @@ class SingleGames:
         """Let the visitor wait until a game with all its seats starts; return False after too long a wait."""
         texts = self.texts
         turn = TurnToAwait(page, *headed(texts, "waiting_for_others", "web"))
-        self._agreed[person] = agreed_at
 
         async def show(has_come: Callable[[], bool]) -> bool:
             return await show_turn(turn, window, lambda: _about(window, page), has_come)
 
         while True:
-            end, _ = await await_place(self._lobby, person, window, show, lambda: self._queue.is_closed)
+            self._agreed[person] = agreed_at
+            try:
+                end, _ = await await_place(self._lobby, person, window, show, lambda: self._queue.is_closed)
+            finally:
+                self._agreed.pop(person, None)
             match end:
                 case WaitEnd.PLACED:
                     return True
@@ -309,7 +314,10 @@ class SingleGames:
             try:
                 await asyncio.wait((ended, gone_on), return_when=asyncio.FIRST_COMPLETED)
                 # The others may play for longer. After the last person, the game ends at once.
-                if ended.done() or len(game.people) == 1:
+                if len(game.people) == 1:
+                    hosted.leave(everybody=True)
+                    await ended
+                elif ended.done():
                     await ended
             finally:
                 for task in (watching, ended, gone_on):
@@ -327,7 +335,7 @@ async def _watch(game: ServedGame, hosted: HostedGame) -> None:
     """End a game whose people do not come back."""
     while game.absence < MOST_ABSENCE:
         await asyncio.sleep(1.0)
-    hosted.leave()
+    hosted.leave(everybody=True)
 
 
 async def _about(window: BrowserWindow, page: int) -> FromKiosk:

@@ -52,8 +52,10 @@ class WatchWanted(msgspec.Struct, frozen=True, tag="watch"):
 class PersonLeft(msgspec.Struct, frozen=True, tag="leave"):
     """Gateway: the person has left the game, or their run has ended. The game ends when all people have left.
 
-    A connection without a seat ends the game for all.
+    If `everybody` is True, all people have left.
     """
+
+    everybody: bool = False
 
 
 class ResultKept(msgspec.Struct, frozen=True, tag="kept"):

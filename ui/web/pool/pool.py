@@ -149,9 +149,9 @@ class HostedGame:
         """Let researchers' windows connect to the game."""
         self._send(WatchWanted())
 
-    def leave(self) -> None:
-        """Note that the person has left; the game ends when all people have left."""
-        self._send(PersonLeft())
+    def leave(self, *, everybody: bool = False) -> None:
+        """Note that the person has left, or that all people of the game have left; then the game ends."""
+        self._send(PersonLeft(everybody))
 
     def confirm(self) -> None:
         """Confirm to the worker that its result is kept."""
@@ -326,7 +326,7 @@ class WorkerPool:
             if self.games.is_running(key):
                 reader, writer = await self._connected(key, None)
                 game = HostedGame(reader, writer, lambda _text: None, lambda _message: None)
-                game.leave()
+                game.leave(everybody=True)
                 if self.games.remote_host(key):
                     async with asyncio.timeout(END_TIMEOUT):
                         await game.ended()

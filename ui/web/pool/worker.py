@@ -476,7 +476,7 @@ class Worker:
             case WatchWanted():
                 self._watch_wanted = True
                 self._start_watch_server()
-            case PersonLeft() if seat is None:
+            case PersonLeft(everybody=True):
                 for each in self._seats.values():
                     each.left = True
             case _ if seat is not None:
