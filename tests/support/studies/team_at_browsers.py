@@ -14,7 +14,7 @@ rate: 10
 server: {port: 0}
 seats:
   - {name: north, label: the north, robots: [1], names_treasures: false, sees_dialogues: own}
-  - {name: south, label: the south, robots: [2]}
+  - {name: south, label: the south, robots: [2], sees_dialogues: own}
   - {name: judge, label: the judge, sees_dialogues: own, sees_energy: false, sees_map: false, sees_score: false}
 team: {agreement: {end: one}}
 """

@@ -53,6 +53,7 @@ def presence(folder: Path, seat: str) -> list[bool]:
     ]
 
 
+@pytest.mark.slow
 def test_a_game_starts_when_all_seats_are_filled_and_who_leaves_the_lobby_blocks_nobody(tmp_path: Path) -> None:
     async def run() -> None:
         async with served(tmp_path, TEAM, games=1) as port:
