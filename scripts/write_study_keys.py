@@ -10,7 +10,7 @@ from pathlib import Path
 from thbridge.experiment.design.experiment_file import ExperimentFile
 from thbridge.experiment.questionnaires.form import Form
 from thbridge.experiment.rehearsal.people import SimulatedPeople
-from thbridge.files.yaml.tree import Section, parse
+from thbridge.files.yaml.tree import parse
 from thbridge.study.study_file import Study, StudyFile
 from ui.model.study_form.form import FieldKind, FormField, FormGroup, form_of, hint_of
 
@@ -62,14 +62,24 @@ FILES = (
 sections."""
 
 
+LISTS = {"seats": "Keys of a seat", "things": "Keys of an obstacle", "mishaps": "Keys of a failure"}
+"""Sections of a study that are lists, with the line above the keys of an entry."""
+
+
 def study_page() -> str:
     """Return the page of a study file's keys."""
-    form = form_of("", Section(1, []), StudyFile.of(Study()))
+    text = "".join(f"{key}: [{{}}]\n" for key in LISTS)
+    form = form_of(text, parse(Path("file"), text), StudyFile.of(Study()))
     parts = [STUDY_HEAD, *_table(_row(field, field.key) for field in form.fields)]
     for section in form.groups:
         if section.key not in {"robot", "world"}:
             parts.append(f"\n## `{section.key}`\n\n{section.help[:1].upper()}{section.help[1:]}.\n")
-            parts += _table(_own_rows(section, {}))
+            if section.key in LISTS:
+                entry = next(group for group in section.all_groups() if group.key == f"{section.key}[0]")
+                parts.append(f"{LISTS[section.key]}:\n")
+                parts += _table(_row(field, field.key.rpartition(".")[2]) for field in entry.fields)
+            else:
+                parts += _table(_own_rows(section, {}))
     return "\n".join(parts) + "\n"
 
 

@@ -12,7 +12,7 @@ from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions, play
 from thbridge.app.programs import reason_of, tabui
 from thbridge.app.session.session import TickRecord
-from thbridge.hunt.events import RobotDeparted, TreasureIdentified
+from thbridge.hunt.events import Event, RobotDeparted, TreasureIdentified
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.shared.notices import FloorPlan, PlannedPaths, PoseTelemetry
 from thbridge.sockets.addresses import ListeningAddress
@@ -43,14 +43,22 @@ class Lab:
         visit: what happens at the server; the game stops afterwards.
 
     Attributes:
-        ticks: the ticks so far.
+        first: the first tick.
+        last: the last tick so far.
+        events: events of the game so far.
+        refusals: refused requests and lines so far.
+        joined: True once a participant has joined.
         port: port of the server.
         lost: reasons why programs lost their connections, by seat.
     """
 
     def __init__(self, setting: StudySetting, visit: "Callable[[Lab], Awaitable[None]]") -> None:
         self.setting = setting
-        self.ticks: list[TickRecord] = []
+        self.first: TickRecord | None = None
+        self.last: TickRecord | None = None
+        self.events: list[Event] = []
+        self.refusals: list[str] = []
+        self.joined = False
         self.port = 0
         self.lost: dict[str, list[ConnectionLost]] = {}
         self._visit = visit
@@ -73,7 +81,7 @@ class Lab:
             visits: list[asyncio.Future[None]] = []
             options = PlayOptions(0.0, None, OUTSIDE, "", float("inf"), left=lambda: self._over)
             with pytest.raises(HuntUnfinished):
-                await play(self.setting, (), options, ready, self.ticks.append)
+                await play(self.setting, (), options, ready, self._note)
             await visits[0]
 
         asyncio.run(run())
@@ -91,13 +99,16 @@ class Lab:
         program = tabui(role, "127.0.0.1", self.port, token or f"t-{seat}", lost.append, lambda view: None)
         return asyncio.ensure_future(program)
 
-    def events(self) -> list[object]:
-        """Return the events of the game so far."""
-        return [event for tick in self.ticks for event in tick.events]
+    def _note(self, tick: TickRecord) -> None:
+        self.first, self.last = self.first or tick, tick
+        self.events += tick.events
+        self.refusals += map(str, tick.refusals)
+        self.joined = self.joined or bool(tick.team)
 
-    def refusals(self) -> list[str]:
-        """Return the refused requests and lines so far."""
-        return [str(each) for tick in self.ticks for each in tick.refusals]
+    @property
+    def tick(self) -> int:
+        """Number of the last tick; -1 before the first game."""
+        return -1 if self.last is None or self.last.game is None else self.last.tick
 
 
 class Observer:
@@ -127,13 +138,13 @@ def test_each_program_does_and_sees_what_its_seat_may(setting: StudySetting) -> 
 
     async def visit(lab: Lab) -> None:
         running = [lab.play_as("driver", driver), lab.play_as("namer", namer)]
-        await lab.until(lambda: any(isinstance(event, TreasureIdentified) for event in lab.events()))
+        await lab.until(lambda: any(isinstance(event, TreasureIdentified) for event in lab.events))
         for each in running:
             each.cancel()
 
     lab = Lab(setting, visit)
     lab.run()
-    by = {type(event): event.seat for event in lab.events() if isinstance(event, RobotDeparted | TreasureIdentified)}
+    by = {type(event): event.seat for event in lab.events if isinstance(event, RobotDeparted | TreasureIdentified)}
     assert by == {RobotDeparted: "driver", TreasureIdentified: "namer"}
     assert driver.kinds >= {PoseTelemetry, PlannedPaths, FloorPlan}
     assert namer.kinds.isdisjoint({PoseTelemetry, PlannedPaths, FloorPlan})
@@ -170,29 +181,29 @@ def test_lines_in_the_name_of_a_seat_have_no_effect(setting: StudySetting) -> No
     answers: list[bytes] = []
 
     async def visit(lab: Lab) -> None:
-        await lab.until(lambda: bool(lab.ticks) and lab.ticks[-1].game is not None)
+        await lab.until(lambda: lab.tick >= 0)
         reader, writer = await asyncio.open_connection("127.0.0.1", lab.port)
         writer.write("".join(f"{line}\n" for line in ("%%setid Spy", *(each.line() for each in lines))).encode())
-        end = lab.ticks[-1].tick + 100
-        await lab.until(lambda: lab.ticks[-1].tick > end)
+        end = lab.tick + 100
+        await lab.until(lambda: lab.tick > end)
         writer.write(b"%%getid\n")
         answers.append(await reader.readuntil(b"%%setid 1"))
         writer.close()
 
     lab = Lab(setting, visit)
     lab.run()
-    assert not any(isinstance(event, RobotDeparted | TreasureIdentified) for event in lab.events())
-    first, last = lab.ticks[0].snapshot, lab.ticks[-1].snapshot
-    assert first is not None and last is not None
-    assert (first.truth.poses == last.truth.poses).all()
-    assert len([refusal for refusal in lab.refusals() if "several seats" in refusal]) >= len(lines)
+    assert not any(isinstance(event, RobotDeparted | TreasureIdentified) for event in lab.events)
+    assert lab.first is not None and lab.first.snapshot is not None
+    assert lab.last is not None and lab.last.snapshot is not None
+    assert (lab.first.snapshot.truth.poses == lab.last.snapshot.truth.poses).all()
+    assert len([refusal for refusal in lab.refusals if "several seats" in refusal]) >= len(lines)
     assert b"%%pose" not in answers[0]
 
 
 def test_a_program_learns_why_it_has_no_seat(setting: StudySetting) -> None:
     async def visit(lab: Lab) -> None:
         running = [lab.play_as(seat) for seat in ("", "pilot", "driver")]
-        await lab.until(lambda: any(tick.team for tick in lab.ticks))
+        await lab.until(lambda: lab.joined)
         running.append(lab.play_as("driver", token="another"))
         await lab.until(lambda: all(lab.lost[seat] for seat in ("", "pilot", "driver")))
         for each in running:

@@ -72,6 +72,8 @@ def server(
         if isinstance(where, CannotListen):
             fail(BAD_INPUT, str(where))
         print(f"listening on {where.host}:{where.port}", flush=True)  # noqa: T201 - programs wait for this line
+        if study.seats:
+            note(f"Seats: {', '.join(each.name for each in study.seats)}. Start `thbridge tabui` with --seat for each.")
 
     run(serve(setting, ledger, new_game, ready, ring, secrets.token_hex(8)))
 
