@@ -62,7 +62,7 @@ FILES = (
 sections."""
 
 
-LISTS = {"seats": "Keys of a seat", "things": "Keys of an obstacle", "mishaps": "Keys of a failure"}
+LISTS = {"seats": "Keys of a seat", "things": "Keys of an obstacle"}
 """Sections of a study that are lists, with the line above the keys of an entry."""
 
 

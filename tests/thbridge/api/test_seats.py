@@ -34,17 +34,20 @@ def test_the_caller_plays_all_seats_which_vote_talk_and_hand_over(tmp_path: Path
         until(session, lambda: bool(namer.view and namer.view.ready and session.ready))
         assert (session.participant.seat, namer.view.commanded.tolist()) == ("driver", [False, False])
         driver.say("To room 3?", to="namer")
+        driver.select(1, 3)
+        until(session, lambda: bool(driver.view.agreements))
         driver.send(1, 3)
         until(session, lambda: bool(namer.view.votes))
         (vote,) = namer.view.votes
         assert (vote.kind, vote.robot, vote.room, vote.needs, vote.agree) == ("send", 1, 3, 2, ("driver",))
         namer.vote(vote.decision, agrees=True, reason="near")
         until(session, lambda: any(event.kind == "departed" for event in session.events))
+        assert driver.view.bound_for.tolist() == [3, 0]
         namer.ask_for(2)
         until(session, lambda: driver.view.asked_for == {2: "namer"})
         driver.hand_over(2, "namer")
         until(session, lambda: namer.view.commanded.tolist() == [False, True])
-        namer.send(1, 4)
+        namer.select(1, 4)
         until(session, lambda: namer.view.refusal is not None)
         assert namer.view.refusal == "Robot 1 is commanded by the driver just now."
         assert driver.view.refusal is None
