@@ -51,7 +51,7 @@ def player_of_person(texts: Texts, consent: GiveConsent | None = None, seat: str
         seat: name of the person's seat; empty in a game with one participant.
     """
     person = TerminalPlayer(show, lambda: tabui.room_names, lambda: tabui.texts or texts)
-    tabui = TabUI(person, consent=consent, seat=seat)
+    tabui = TabUI(person, consent=consent, seat=seat, talk=person.talk.hear)
 
     def typed(line: str) -> None:
         person.type(line)

@@ -42,6 +42,7 @@ from thbridge.roles.shared.view import (
     refusal_wishes,
 )
 from thbridge.timing.wall_clock import utc_now
+from ui.hosting.terminal_talk import TerminalTalk
 from ui.hosting.terminal_team import (
     allowed,
     asked_for_news,
@@ -83,16 +84,21 @@ class TerminalPlayer:
         rooms: function that returns the names of the map's rooms.
         texts: function that returns the texts of the game's language.
         declined: True if the person does not take part.
+        talk: texts between the people of a game with several participants.
     """
 
     show: Callable[[str], None]
     rooms: Callable[[], RoomNames]
     texts: Callable[[], Texts]
     declined: bool = False
+    talk: TerminalTalk = field(init=False)
     _view: View | None = None
     _wanted: tuple[ParticipantRequest, ...] = ()
     _typed: ParticipantRequest | None = None
     _names: dict[int, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.talk = TerminalTalk(self.show, self.texts)
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
         """Return the requests typed since the last call, and the requests that follow from agreements; see `Player`."""
@@ -100,12 +106,13 @@ class TerminalPlayer:
             before, self._view = self._view, view
             for line in Telling(self.texts(), self.rooms(), view, self._typed).changes(before):
                 self.show(line)
+            self.talk.see(before, view)
         wanted, self._wanted = self._wanted, ()
         self._typed = next(iter(wanted), self._typed)
         follow = [request for consent in view.consents if (request := self._follow(consent)) is not None]
         sense = [SenseTreasure(room.room) for room in view.rooms if room.undecided and not room.found]
         if view.team is not None:
-            return (*wanted, *allowed(view, (*follow, *sense)))
+            return (*wanted, *allowed(view, (*follow, *sense)), *self.talk.requests())
         return (*wanted, *follow, *sense)
 
     def type(self, line: str) -> None:
@@ -116,6 +123,8 @@ class TerminalPlayer:
             return
         if view.consent is not None:
             self._answer_consent(line)
+            return
+        if self.talk.type(unicodedata.normalize("NFC", line)):
             return
         telling = Telling(self.texts(), self.rooms(), view, self._typed)
         # Some keyboards and terminals send an accented letter as two characters.
@@ -130,6 +139,9 @@ class TerminalPlayer:
                     self.show(f"  {rule}")
             case [word] if self._means(word, "names"):
                 self.show(f"  {_listed(view)}" if view.names else telling.texts.text("terminal.no_names"))
+            case [word] if view.team is not None and self._means(word, "team"):
+                for person in self.talk.people(view):
+                    self.show(person)
             case [word] if self._means(word, "end"):
                 self._ask(view, EndGame(view.game))
             case [letter] if letter in (waiting := _letters(view)) or letter in ("c", "s"):
@@ -168,6 +180,7 @@ class TerminalPlayer:
                 self.show(self.texts().text("terminal.help"))
                 if view.team is not None:
                     self.show(self.texts().text("terminal.help_team"))
+                    self.show(self.texts().text("terminal.help_people"))
 
     def _means(self, typed: str, word: str) -> bool:
         """Return True for a command word, in the game's language or in English."""

@@ -6,11 +6,13 @@ from dataclasses import replace
 
 from sim.common.observations import TICK
 from tests.support.hunts.hunt_without_simulator import RULES, HuntWithoutSimulator
+from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.seats import Seat, StopRight
 from thbridge.roles.keeper.team.game_team import TeamRules
 from thbridge.roles.keeper.team.people_talk import TalkRules
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.shared.view import ParticipantRequest, View
+from ui.hosting.terminal_player import TerminalPlayer
 from ui.model.playing.participant import Participant
 from ui.model.playing.screen import Act, PeoplePanel, Screen
 
@@ -68,17 +70,40 @@ class PersonInHunt:
         return [(text.who, text.text) for text in self.panel.texts]
 
 
-class HuntOfPeople:
-    """Hunt in which people with these seats play.
+class PersonAtTerminal:
+    """Person who plays in a seat at the terminal.
 
     Attributes:
-        people: the people, by the names of their seats.
+        lines: printed lines.
     """
 
-    def __init__(self, seats: Sequence[Seat] = SEATS, opens: float = 0.0, closes: float = math.inf) -> None:
-        self.people = {seat.name: PersonInHunt(seat.name) for seat in seats}
+    def __init__(self, seat: str) -> None:
+        texts = shipped_texts()
+        self.lines: list[str] = []
+        self.player = TerminalPlayer(self.lines.append, lambda: self.tabui.room_names, lambda: texts)
+        self.tabui = TabUI(self.player, seat=seat, talk=self.player.talk.hear)
+
+    def type(self, line: str) -> None:
+        self.player.type(line)
+        self.tabui.poll_player()
+
+
+class HuntOfPeople:
+    """Hunt in which people with these seats play, one of them at a terminal if `at_terminal` names a seat.
+
+    Attributes:
+        people: the people, by the names of their seats, except the person at the terminal.
+        terminal: the person at the terminal.
+    """
+
+    def __init__(
+        self, seats: Sequence[Seat] = SEATS, opens: float = 0.0, closes: float = math.inf, at_terminal: str = ""
+    ) -> None:
+        self.people = {seat.name: PersonInHunt(seat.name) for seat in seats if seat.name != at_terminal}
+        self.terminal = PersonAtTerminal(at_terminal)
         rules = replace(RULES, seats=tuple(seats), team=TeamRules(TalkRules(opens, closes)))
         first, *others = (person.tabui for person in self.people.values())
+        others += [self.terminal.tabui] if at_terminal else []
         self.hunt = HuntWithoutSimulator(robots=3, rules=rules, participant=first, others=others)
 
     def run(self, ticks: int = 8) -> None:

@@ -1,6 +1,6 @@
 """TabUI: the program of a participant. The participant may be a person or simulated."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol, TypeAlias, assert_never
 
 from sim.common.observations import TICKS_PER_SECOND
@@ -80,6 +80,7 @@ class TabUI:
             as a window that is opened again. With a random number, the keeper does not count
             new requests as repetitions.
         seat: name of the participant's seat; empty in a game with one participant.
+        talk: function that receives the texts between participants. If None, the player does not use them.
 
     Attributes:
         name: name of the program.
@@ -98,11 +99,13 @@ class TabUI:
         consent: GiveConsent | None = None,
         first_number: int = 1,
         seat: str = "",
+        talk: Callable[[TeamTalk], None] | None = None,
     ) -> None:
         self.name = program_of(seat)
         self._seat = seat
         self._player = player
         self._observer = observer
+        self._talk = talk
         self._consent = consent
         self.view: View | None = None
         self.room_names = RoomNames()
@@ -146,7 +149,10 @@ class TabUI:
                     self.room_names = update.room_names
                 case GameTexts():
                     self.texts = update.texts() or self.texts
-                case TeamTalk() | PicturePiece() | PoseTelemetry() | PlannedPaths() | None:
+                case TeamTalk():
+                    if self._talk is not None:
+                        self._talk(update)
+                case PicturePiece() | PoseTelemetry() | PlannedPaths() | None:
                     pass  # Only the observer uses these notices.
                 case _:
                     assert_never(update)

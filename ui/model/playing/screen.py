@@ -779,6 +779,11 @@ class PeoplePanel:
     send: Action
     longest: int
 
+    @property
+    def addressee_act(self) -> ChooseAddressee:
+        """Act that chooses the present addressee."""
+        return ChooseAddressee(self.to)
+
 
 @dataclass(frozen=True, slots=True)
 class Banner:

@@ -46,6 +46,7 @@ from ui.model.playing.spoken import (
     tile_words,
 )
 from ui.model.shared.scene import RobotMark
+from ui.web.page.people import PagePeople, page_of_people
 
 SourceT = TypeVar("SourceT")
 MadeT = TypeVar("MadeT")
@@ -389,6 +390,7 @@ class BrowserPage:
         advise: in a practice game, a sentence about what to do next.
         votes: open votes of the participants.
         no_map: sentence that replaces the map if the participant does not see it; otherwise empty.
+        people: the people in the game, and their texts; None if there is only one participant.
     """
 
     phase: str
@@ -427,6 +429,7 @@ class BrowserPage:
     advise: str
     votes: tuple[PageVote, ...]
     no_map: str
+    people: PagePeople | None
 
 
 class BrowserPageMaker:
@@ -523,6 +526,7 @@ class BrowserPageMaker:
             advise=advise,
             votes=kept("votes", screen.votes, lambda votes: tuple(button.vote(vote) for vote in votes)),
             no_map=screen.no_map,
+            people=kept("people", screen.people, lambda panel: page_of_people(texts, panel)),
         )
 
     def _kept(self, name: str, source: SourceT, make: Callable[[SourceT], MadeT]) -> MadeT:

@@ -3,6 +3,7 @@
 import { button, buttons, element, list, set, showButton } from "./dom.js";
 import { GameMap } from "./map.js";
 import { applied } from "./patches.js";
+import { PeoplePanel } from "./people.js";
 import { play } from "./sounds.js";
 import { Votes } from "./votes.js";
 
@@ -26,6 +27,7 @@ export class GamePage {
   close() {
     document.removeEventListener("keydown", this.onKey);
     this.map.close();
+    this.people.close();
     for (const url of this.pictures.values()) URL.revokeObjectURL(url);
   }
 
@@ -82,6 +84,8 @@ export class GamePage {
     part.queue = element("p", { class: "muted" });
     part.waiting = element("div", { class: "waiting" });
     const waiting = this.#region("section", words["window.what_waits"], part.queue, part.waiting);
+    this.people = new PeoplePanel(this.act);
+    this.regions.push(this.people.element);
     part.history = element("ol", { class: "history", tabindex: "0", "aria-label": words["window.history"] });
     this.map = new GameMap(this.act, words["map.name"]);
     this.votes = new Votes(words, this.act, this.#region("section", words["votes.title"]));
@@ -100,7 +104,7 @@ export class GamePage {
       });
     }
     const title = element("h1", { class: "unseen", text: words["window.title"] });
-    part.playing = element("div", { class: "playing" }, title, top, part.advise, part.area, part.column, part.below);
+    part.playing = element("div", { class: "playing" }, title, top, part.advise, part.area, part.column, this.people.element, part.below, this.people.switch);
     part.plain = element("div", { class: "reading" });
     this.element = element("div", { class: "game" }, part.playing, part.plain, part.question, part.large, part.help);
   }
@@ -159,6 +163,8 @@ export class GamePage {
     this.#showDialog(part.help, page.help.length ? page : null, (made) => this.#showHelp(made));
     this.#showDialog(part.large, page.enlarged || null, (made, id) => set(made.firstChild, { src: this.pictures.get(id) }));
     this.map.show(page);
+    set(part.playing, { "data-people": !!page.people });
+    this.people.show(page.people);
     if (page.announcement_number !== this.announced) {
       this.announced = page.announcement_number;
       set(document.getElementById("announcer"), { text: page.announcement });
@@ -394,6 +400,7 @@ export class GamePage {
   #key(event) {
     if (!this.page || !this.element.isConnected || event.isComposing || document.querySelector("dialog[open]:not(.game dialog)")) return;
     const name = keyName(event);
+    if (this.people.takes(name)) return;
     if (name === "F6" || name === "Shift+F6") {
       event.preventDefault();
       this.#nextRegion(name === "F6" ? 1 : -1);
@@ -410,6 +417,7 @@ export class GamePage {
       // While a treasure has a list of names, letters belong to the list.
       if (name === (this.page.treasure?.names.length ? "Ctrl+A" : "A") && this.page.phase === "playing") this.map.fit();
       if (name === "Ctrl+,") this.openSettings();
+      else if (name === this.page.people?.key) this.people.focus();
       else this.#press(name);
       return;
     }
@@ -442,7 +450,7 @@ export class GamePage {
   }
 
   #focusRegion(region) {
-    const parts = [...region.querySelectorAll("button, [tabindex]")].filter((each) => each.offsetParent);
+    const parts = [...region.querySelectorAll("button, textarea, [tabindex]")].filter((each) => each.offsetParent);
     (parts.find((each) => each.closest("[data-selected]")) ?? parts[0] ?? region).focus();
   }
 }

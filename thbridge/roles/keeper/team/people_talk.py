@@ -62,7 +62,7 @@ class PeopleTalk:
         if not self.is_open(now):
             return RequestRefused(KeeperReason.TALK_IS_OFF, "Messages between people are switched off now.")
         if request.to and request.to not in {each.name for each in seats if each != seat}:
-            return RequestRefused(KeeperReason.NOT_READY, "There is nobody with this name.")
+            return RequestRefused(KeeperReason.NOT_READY, "There is no person with this name.")
         if not text or len(text) > LONGEST_TEXT:
             return RequestRefused(KeeperReason.TOO_LONG, f"A message has 1 to {LONGEST_TEXT} characters.")
         recent = sum(each.seat == seat.name and each.at > now - BURST_SECONDS for each in self._said[-MOST_LINES:])
