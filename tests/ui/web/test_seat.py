@@ -44,6 +44,7 @@ def test_no_part_of_a_text_is_lost_when_the_page_loads_again() -> None:
     seat.refresh()
     assert again[-1]["p"]["v"]["people"]["draft"] == "half a sen"  # type: ignore[call-overload,index]
     seat.receive(ActDone(number, 1.0, {"act": "SendTextAct", "to": "", "text": "half a sentence"}))
+    driver.tabui.poll_player()
     hunt.run()
     assert [text for _, text in hunt.people["namer"].read] == ["half a sentence"]
     assert driver.panel.draft == ""

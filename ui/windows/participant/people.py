@@ -1,7 +1,7 @@
 """Panel of the people in a game of several participants, and their texts to each other."""
 
 from PySide6.QtCore import QEvent, QRectF, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QHideEvent, QKeyEvent, QPaintEvent, QShowEvent
+from PySide6.QtGui import QColor, QHideEvent, QKeyEvent, QPaintEvent, QShowEvent, QTextCursor
 from PySide6.QtWidgets import QComboBox, QFrame, QHBoxLayout, QLabel, QPlainTextEdit, QScrollArea, QVBoxLayout, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
@@ -18,7 +18,7 @@ from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ButtonFace
 from ui.windows.participant.widgets.focus import make_region
-from ui.windows.participant.widgets.panels import set_text
+from ui.windows.participant.widgets.panels import OpaqueBackground, set_text
 
 _OWN_KEYS = {Qt.Key.Key_Tab, Qt.Key.Key_Backtab, *(getattr(Qt.Key, f"Key_F{number}") for number in range(1, 13))}
 """Keys that belong to the window also while a person writes."""
@@ -99,8 +99,8 @@ class TextBubble(QWidget):
         if (text.own, text.pending) != (self._own, self._pending):
             self._own, self._pending = text.own, text.pending
             self.update()
-        set_text(self._who, f"{text.who} · {time}")
-        # A long word without spaces would widen the panel.
+        # Long words without spaces would widen the panel.
+        set_text(self._who, f"{_breakable(text.who)} · {time}")
         set_text(self._text, _breakable(text.text))
         self.setAccessibleName(f"{text.who}: {text.text}")
 
@@ -134,7 +134,7 @@ class TextList(QScrollArea):
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setAccessibleName(texts.text("people.messages"))
-        inside = QWidget()
+        inside = OpaqueBackground()
         self._rows = spaced(QVBoxLayout(inside), GAP, 0)
         self._rows.addStretch(1)
         self.setWidget(inside)
@@ -260,7 +260,7 @@ class PeopleView(ActionWidget):
         _show_if_any(self._closed, panel.closed if panel.writes else "")
         self.list.show_texts(panel.texts)
         self._writing.setVisible(panel.writes and not panel.closed)
-        names = [each.label for each in panel.addressees]
+        names = [each.hint for each in panel.addressees]
         if [self.chooser.itemText(at) for at in range(self.chooser.count())] != names:
             self.chooser.clear()
             self.chooser.addItems(names)
@@ -272,8 +272,7 @@ class PeopleView(ActionWidget):
         # The field belongs to the person, except in a new window and after the game has put a text back.
         if panel.restored > self._restored:
             self._restored = panel.restored
-            if self.field.toPlainText() != panel.draft:
-                self.field.setPlainText(panel.draft)
+            self._fill(panel.draft)
         _show_if_any(self._hint, panel.send.hint)
         self.send.show_action(panel.send)
         self._reading.start()
@@ -293,11 +292,11 @@ class PeopleView(ActionWidget):
         super().hideEvent(event)
         self._reading.stop()
 
-    def changeEvent(self, event: QEvent) -> None:
+    def event(self, event: QEvent) -> bool:
         """Report the visible texts as read when the window becomes active again."""
-        super().changeEvent(event)
-        if event.type() == QEvent.Type.ActivationChange:
+        if event.type() == QEvent.Type.WindowActivate:
             self._reading.start()
+        return super().event(event)
 
     def _show_rows(self, people: tuple[PersonRow, ...]) -> None:
         while len(self._rows) < len(people):
@@ -306,7 +305,8 @@ class PeopleView(ActionWidget):
         for person, row in zip(people, self._rows, strict=False):
             name = person.name[:1].upper() + person.name[1:]
             sign = "" if not person.presence else "● " if person.present else "○ "
-            set_text(row, " · ".join(filter(None, (f"{sign}{name}", person.presence, person.commands))))
+            parts = filter(None, (f"{sign}{_breakable(name)}", person.presence, person.commands))
+            set_text(row, " · ".join(parts))
             row.setToolTip(person.may)
         for at, row in enumerate(self._rows):
             row.setVisible(at < len(people))
@@ -324,10 +324,16 @@ class PeopleView(ActionWidget):
         text = self.field.toPlainText()
         if self._panel is None or not text.strip():
             return
-        self.field.blockSignals(True)
-        self.field.clear()
-        self.field.blockSignals(False)
+        self._fill("")
         self.requested.emit(SendTextAct(self._panel.to, text))
+
+    def _fill(self, text: str) -> None:
+        """Replace the text of the field; the game knows it already."""
+        if self.field.toPlainText() != text:
+            self.field.blockSignals(True)
+            self.field.setPlainText(text)
+            self.field.moveCursor(QTextCursor.MoveOperation.End)
+            self.field.blockSignals(False)
 
     def _to_end(self) -> None:
         self.list.to_end()
@@ -347,7 +353,7 @@ def _show_if_any(label: QLabel, text: str) -> None:
     label.setVisible(bool(text))
 
 
-def _breakable(text: str, longest: int = 24) -> str:
+def _breakable(text: str, longest: int = 16) -> str:
     """Return a text in which long words have places where a line can end."""
     words = ("\u200b".join(word[at : at + longest] for at in range(0, len(word), longest)) for word in text.split(" "))
     return " ".join(words)

@@ -72,7 +72,7 @@ def test_a_narrow_window_shows_the_people_in_place_of_the_robots(opened, qtbot):
     window = shown.window
     assert (window.people.isVisible(), window.column.isVisible()) == (False, True)
     assert MarkReadAct(3) not in shown.done
-    assert window.waiting.people.text() or window.waiting.people.face.label == "Team · 1"
+    assert window.waiting.people.face.label == "Team · 1"
     QTest.mouseClick(window.waiting.people, Qt.MouseButton.LeftButton)
     assert (window.people.isVisible(), window.column.isVisible()) == (True, False)
     qtbot.waitUntil(lambda: MarkReadAct(3) in shown.done)
