@@ -24,12 +24,15 @@ _OWN_KEYS = {Qt.Key.Key_Tab, Qt.Key.Key_Backtab, *(getattr(Qt.Key, f"Key_F{numbe
 """Keys that belong to the window also while a person writes."""
 
 
-def _belongs_to_field(event: QEvent) -> bool:
-    """Return True for a key that a field needs although it is also a key of the game."""
+def _decides_on_key(event: QEvent) -> bool:
+    """Decide whether a field needs a key that is also a key of the game. Return False for all other events."""
     if event.type() != QEvent.Type.ShortcutOverride or not isinstance(event, QKeyEvent):
         return False
     held = event.modifiers() & ~(Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.KeypadModifier)
-    return held == Qt.KeyboardModifier.NoModifier and event.key() not in _OWN_KEYS
+    if held != Qt.KeyboardModifier.NoModifier:
+        return False
+    event.setAccepted(event.key() not in _OWN_KEYS)
+    return True
 
 
 class MessageField(QPlainTextEdit):
@@ -55,10 +58,7 @@ class MessageField(QPlainTextEdit):
 
     def event(self, event: QEvent) -> bool:
         """Keep keys of the text from the game."""
-        if _belongs_to_field(event):
-            event.accept()
-            return True
-        return super().event(event)
+        return _decides_on_key(event) or super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Send the text with Enter, leave the field with Esc, and write with all other keys."""
@@ -76,10 +76,7 @@ class AddresseeChooser(QComboBox):
 
     def event(self, event: QEvent) -> bool:
         """Keep keys of the list from the game."""
-        if _belongs_to_field(event):
-            event.accept()
-            return True
-        return super().event(event)
+        return _decides_on_key(event) or super().event(event)
 
 
 class TextBubble(QWidget):
