@@ -13,6 +13,7 @@ from thbridge.app.session.broadcast import Listener
 from thbridge.app.session.session import TickRecorder
 from thbridge.batch.measures import GameMeasures, GameObserver
 from thbridge.recording.digest import MessageDigest
+from thbridge.roles.shared.role import Role
 from thbridge.ros.topics import RosMessage
 from thbridge.study.study_file import RecordingSection
 
@@ -22,6 +23,7 @@ def play_hunt(
     max_seconds: float,
     listeners: Sequence[Listener] = (),
     recorders: Sequence[TickRecorder] = (),
+    participants: Sequence[Role] | None = None,
 ) -> GameMeasures:
     """Play a complete game with the study's simulated participants.
 
@@ -30,10 +32,11 @@ def play_hunt(
         max_seconds: simulated time after which an unfinished game stops.
         listeners: objects that receive all messages of the session. Without listeners, no messages are created.
         recorders: objects that receive every tick.
+        participants: the participants. If None, a simulated participant plays in each seat.
     """
     study, observer, statistics = setting.study, GameObserver(), RunStatistics()
     who = study.participant
-    programs = build_programs(setting, build_participants(setting))
+    programs = build_programs(setting, build_participants(setting) if participants is None else participants)
     all_recorders: list[TickRecorder] = [observer, *recorders]
     if listeners:
         opening = build_record(setting, PLAY, programs.names, who.strategy)

@@ -9,6 +9,7 @@ from itertools import chain
 
 from thbridge.experiment.allocation.places import Place
 from thbridge.experiment.design.experiment_file import ExperimentDesign, name_of
+from thbridge.experiment.design.lobby_faults import faults_of_lobby
 from thbridge.experiment.design.plan import plan_of, repeated_from
 from thbridge.experiment.design.steps import StepEntry, StepKind
 from thbridge.experiment.questionnaires.form import MEASURED, Form, Item, Scale
@@ -46,6 +47,7 @@ def faults_of(design: ExperimentDesign) -> Iterator[BadFile]:
     yield from _of_consent(design)
     yield from _of_factors(design)
     yield from _of_games(design)
+    yield from faults_of_lobby(design)
     for index, entry in enumerate(design.file.steps):
         yield from _of_branch(design, index, entry)
         yield from _of_levels(design, index, entry)
