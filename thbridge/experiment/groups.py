@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -113,7 +113,8 @@ def withdrawn_groups(entries: Iterable[LogEntry]) -> frozenset[str]:
     return frozenset(group for (group, _), number in missing.items() if number > 0)
 
 
-def groups_in(entries: Iterable[LogEntry]) -> frozenset[str]:
-    """Return the ids of all groups in a log."""
+def kept_groups(entries: Sequence[LogEntry]) -> frozenset[str]:
+    """Return the ids of groups without a person who withdrew."""
     events = (entry.event for entry in entries if isinstance(entry, LoggedEvent))
-    return frozenset(str((event.data or {})["group"]) for event in events if event.kind == EventKind.GROUP_FORMED)
+    groups = {str((event.data or {})["group"]) for event in events if event.kind == EventKind.GROUP_FORMED}
+    return frozenset(groups) - withdrawn_groups(entries)

@@ -202,7 +202,8 @@ class Progress:
 
     def next_place(self) -> Place | NoPlace:
         """Return the place for the next person."""
-        place = self.design.allocation.next(self.valid, self.under_way)
+        grouped = {run.place.number for run in self.runs.values() if run.holds_place and run.seats}
+        place = self.design.allocation.next(self.valid, self.under_way, grouped)
         return place if self.admits or place is NoPlace.FULL else NoPlace.CLOSED
 
     def next_step(self, participant: str) -> PlannedStep | None:
