@@ -62,11 +62,12 @@ class GroupGame:
         return tuple(person for seat, person in self.people.items() if self.seats[seat] is SeatHolder.PERSON)
 
 
-_HOLDERS = {
+HOLDERS = {
     EventKind.SEAT_LEFT: SeatHolder.EMPTY,
     EventKind.SEAT_FILLED: SeatHolder.PROGRAM,
     EventKind.SEAT_RESUMED: SeatHolder.PERSON,
 }
+"""Holder of a seat after each kind of event."""
 
 
 def game_after(games: GroupGames, event: NewEvent) -> GroupGame | None:
@@ -90,13 +91,13 @@ def game_after(games: GroupGames, event: NewEvent) -> GroupGame | None:
         return None
     if event.kind == EventKind.GAME_PLAYED:
         return dataclasses.replace(game, played=data)
-    holder = _HOLDERS[EventKind(event.kind)]
+    holder = HOLDERS[EventKind(event.kind)]
     if seat not in game.seats:
         raise BadSeat(f"{group} has no seat {seat}")
     return dataclasses.replace(game, seats={**game.seats, seat: holder}, incomplete=True)
 
 
-CHANGES_GROUPS = frozenset({EventKind.GROUP_FORMED, EventKind.GAME_PLAYED, *_HOLDERS})
+CHANGES_GROUPS = frozenset({EventKind.GROUP_FORMED, EventKind.GAME_PLAYED, *HOLDERS})
 """Kinds of events that `game_after` processes."""
 
 

@@ -46,6 +46,9 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
     with bad_input():
         place, clock = ExperimentFolder(folder), StudyClock()
         design = read_for_people(place)
+        if design.has_groups:
+            problem = "its games have several people, but the kiosk is for one person at a time"
+            raise BadFile(design.path, problem, f"Run {THBRIDGE} serve {folder}, and let each person use a browser")
         for study in chain.from_iterable(cell.studies for cell in design.cells):
             check_doors(study)
         why = None if program else why_no_window()
