@@ -48,7 +48,7 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
         design = read_for_people(place)
         if design.has_groups:
             problem = "its games have several people, but the kiosk is for one person at a time"
-            raise BadFile(design.path, problem, f"Run {THBRIDGE} serve {folder}, and let each person use a browser")
+            raise BadFile(design.path, problem, f"Run `thbridge serve {folder}`; each person uses a browser")
         for study in chain.from_iterable(cell.studies for cell in design.cells):
             check_doors(study)
         why = None if program else why_no_window()
