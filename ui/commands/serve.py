@@ -203,7 +203,7 @@ def _serve_folder(
     with bad_input():
         place, clock = ExperimentFolder(folder), VisitClock()
         design = read_for_people(place)
-        if any(study.seats for cell in design.cells for study in cell.studies):
+        if design.has_groups:
             problem = "its games have several people, whom this command brings together only in games of a study file"
             raise BadFile(design.path, problem, "Delete `seats`, or serve the study file of the games")
         codes = link_codes(design.file.recruiting, place.root)

@@ -47,8 +47,9 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
         place, clock = ExperimentFolder(folder), StudyClock()
         design = read_for_people(place)
         if design.has_groups:
-            problem = "its games have several people, but the kiosk is for one person at a time"
-            raise BadFile(design.path, problem, f"Run `thbridge serve {folder}`; each person uses a browser")
+            problem = "the kiosk is for one person at a time, but games of this study have several people"
+            remedy = "Delete `seats`, or let simulated people take part: thbridge study rehearse"
+            raise BadFile(design.path, problem, remedy, key="base.seats")
         for study in chain.from_iterable(cell.studies for cell in design.cells):
             check_doors(study)
         why = None if program else why_no_window()
