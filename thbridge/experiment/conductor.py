@@ -158,7 +158,12 @@ class Conductor:
             step: step of the game, which is the same for all people.
         """
         people = list(formed.people.values())
-        known = {taken.group for person in people for taken in self.progress.runs[person].seats.values()}
+        known = {
+            taken.group
+            for person in people
+            for number, taken in self.progress.runs[person].seats.items()
+            if number < step.number
+        }
         if self._design.file.lobby.same_group and known:
             (group,) = known
         else:

@@ -150,7 +150,7 @@ class Lobby:
 
     @property
     def next_end(self) -> float | None:
-        """Time at which the next wait ends, s, or None if nobody waits."""
+        """Time at which the next wait ends, s, or None if no person waits."""
         return min((each.since + self.rules[each.pool].wait for each in self.waiting), default=None)
 
     def matched(self, now: float) -> tuple["Lobby", tuple[LobbyOutcome, ...]]:

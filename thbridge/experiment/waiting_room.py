@@ -32,7 +32,7 @@ class WaitingRoom:
 
     @property
     def next_end(self) -> float | None:
-        """Time at which the next wait ends, s, or None if nobody waits."""
+        """Time at which the next wait ends, s, or None if no person waits."""
         return self._lobby.next_end
 
     def enter(self, participant: str, step: PlannedStep, now: float) -> None:

@@ -8,7 +8,7 @@ if people drop out. The same seed always gives the same places.
 In a study with games of several people, blocks contain groups instead of single people. All people of a group have
 the same order of conditions and successive places, so that people who come one after another can play together. If a
 run does not count after the other people of the group have played, its place stays empty, because a new person would
-have nobody to play with. Instead, a further group gets places.
+have no partner. Instead, a further group gets places.
 """
 
 import itertools

@@ -66,8 +66,8 @@ class GroupRehearsal:
         self._waiting: dict[str, Course] = {}
         self._started: set[tuple[str, int]] = set()
 
-    def run(self, conductor: Conductor, tell: Callable[[], None]) -> NoPlace:
-        """Let people take part until no place is free. `tell` is called after each arrival."""
+    def run(self, conductor: Conductor, report: Callable[[], None]) -> NoPlace:
+        """Let people take part until no place is free. `report` is called at each arrival."""
         self._room = WaitingRoom(self._design, conductor)
         self._due, self._waiting, self._started = [], {}, set()
         for run in conductor.progress.runs.values():
@@ -81,7 +81,7 @@ class GroupRehearsal:
                 _, _, name, course = heapq.heappop(self._due)
                 self._continue(name, course)
             elif min(times) == arrival:
-                tell()
+                report()
                 admitted = conductor.admit()
                 if isinstance(admitted, Run):
                     self._schedule(0.0, admitted.participant, self._course_of(conductor, self, admitted))

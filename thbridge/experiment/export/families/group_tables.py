@@ -23,6 +23,7 @@ from thbridge.experiment.export.families.group_games import RecordedGroup, SeatA
 from thbridge.experiment.lobby import SeatHolder
 from thbridge.experiment.store.events import EventKind
 from thbridge.hunt.events import (
+    DecisionOutcome,
     DecisionProposed,
     DecisionSettled,
     PersonRead,
@@ -321,7 +322,11 @@ def joint_decisions(design: ExperimentDesign, game: RecordedGroup) -> Experiment
         (
             *_game_columns(design),
             *_decision_columns(),
-            text("outcome", "carried, rejected, expired, or void (impossible meanwhile)", lambda row: row.made.outcome),
+            text(
+                "outcome",
+                f"{', '.join(DecisionOutcome)}; void: the decision became impossible; empty if the game ended before",
+                lambda row: row.made.outcome,
+            ),
             whole("needs", "number of people who had to agree", lambda row: row.made.proposed.needs, least=1),
             text(
                 "agreed_by", "seats that agreed, with the one that proposed it", lambda row: seats_that(row, agree=True)
