@@ -56,7 +56,7 @@ class Crowd:
 
 
 def simulate(people: int, then: WaitRule, seed: int) -> dict[int, Crowd]:
-    """Let people come to games of 2 and of 4 until no person waits any more. Return what happened, by the size of a game.
+    """Return what happens if people come to games of 2 and of 4 until no person waits any more, by the size of a game.
 
     Args:
         people: number of people, half of them for each size.
