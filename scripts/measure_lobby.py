@@ -6,6 +6,7 @@ python scripts/measure_lobby.py [--people N] [--seed N]
 """
 
 import argparse
+import itertools
 import random
 import statistics
 from collections.abc import Iterator
@@ -55,16 +56,20 @@ class Crowd:
         return sorted(times + [each.waited for each in self.ended])
 
 
-def simulate(people: int, then: WaitRule, seed: int) -> dict[int, Crowd]:
+def simulate(people: int, then: WaitRule, seed: int, *, by_answers: bool = False) -> dict[int, Crowd]:
     """Return what happens if people come to games of 2 and of 4 until no person waits any more, by the size of a game.
 
     Args:
         people: number of people, half of them for each size.
         then: rule for the end of a wait.
-        seed: random seed of arrivals and departures.
+        seed: random seed of arrivals, departures and answers.
+        by_answers: True if half of a group must have said yes, and half of it no. Otherwise, people play by arrival.
     """
     drawn = random.Random(seed)
-    crowds = {size: Crowd(PoolRule(SEATS[:size], WAIT, then)) for size in (2, 4)}
+    crowds = {}
+    for size in (2, 4):
+        quota = {"yes": size // 2, "no": size // 2} if by_answers else {}
+        crowds[size] = Crowd(PoolRule(SEATS[:size], WAIT, then, quota=quota))
     happens: list[tuple[float, str, str, int]] = []
     leaving = {*drawn.sample(range(people), people // 10)}
     for number in range(people):
@@ -72,6 +77,7 @@ def simulate(people: int, then: WaitRule, seed: int) -> dict[int, Crowd]:
         happens.append((at, f"P-{number}", "comes", size))
         if number in leaving:
             happens.append((at + drawn.uniform(0.0, STAY), f"P-{number}", "leaves", size))
+    answers = {f"P-{number}": drawn.choice(("yes", "no")) for number in range(people)}
     lobby, now = Lobby(), 0.0
     pending = sorted(happens)
     while pending or lobby.waiting:
@@ -80,7 +86,8 @@ def simulate(people: int, then: WaitRule, seed: int) -> dict[int, Crowd]:
             now, person, act, size = pending.pop(0)
             if act == "comes":
                 crowds[size].arrived[person] = now
-                lobby = lobby.enter(WaitingPerson(person, str(size), now), crowds[size].rule)
+                answer = answers[person]
+                lobby = lobby.enter(WaitingPerson(person, str(size), now, answer), crowds[size].rule)
             elif any(each.participant == person for each in lobby.waiting):
                 crowds[size].left.add(person)
                 lobby = lobby.leave(person)
@@ -98,12 +105,12 @@ def simulate(people: int, then: WaitRule, seed: int) -> dict[int, Crowd]:
 def table(people: int, seed: int) -> Iterator[str]:
     """Yield the lines of the table of waiting times."""
     yield (
-        "| game of | at the end of a wait | people | played | games | with fewer people | ended with thanks | "
-        "left while waiting | wait: median (s) | 95 % (s) | longest (s) |"
+        "| groups by | game of | at the end of a wait | people | played | games | with fewer people | "
+        "ended with thanks | left while waiting | wait: median (s) | 95 % (s) | longest (s) |"
     )
-    yield "|---|---|---|---|---|---|---|---|---|---|---|"
-    for then in WaitRule:
-        for size, crowd in simulate(people, then, seed).items():
+    yield "|---|---|---|---|---|---|---|---|---|---|---|---|"
+    for by_answers, then in itertools.product((False, True), WaitRule):
+        for size, crowd in simulate(people, then, seed, by_answers=by_answers).items():
             waits = crowd.waits
             times = (statistics.median(waits), waits[int(0.95 * (len(waits) - 1))], waits[-1])
             counts = (
@@ -114,7 +121,7 @@ def table(people: int, seed: int) -> Iterator[str]:
                 len(crowd.ended),
                 len(crowd.left),
             )
-            cells = [size, then, *counts, *(f"{each:.1f}" for each in times)]
+            cells = ["answers" if by_answers else "arrival", size, then, *counts, *(f"{each:.1f}" for each in times)]
             yield f"| {' | '.join(map(str, cells))} |"
 
 

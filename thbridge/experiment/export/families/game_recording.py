@@ -141,7 +141,7 @@ class GameRecording:
     @property
     def seats(self) -> tuple[str, ...]:
         """Names of the seats; empty if the game has one participant."""
-        return next(tuple(seat.name for seat in each.after.started.seats) for each in self.events)
+        return next((tuple(seat.name for seat in each.after.started.seats) for each in self.events), ())
 
     def of_seat(self, seat: str) -> "GameRecording":
         """Return the recording with only the dialogues of a seat.
