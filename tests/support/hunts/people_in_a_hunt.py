@@ -7,7 +7,9 @@ from dataclasses import replace
 from sim.common.observations import TICK
 from tests.support.hunts.hunt_without_simulator import RULES, HuntWithoutSimulator
 from thbridge.files.language_texts import shipped_texts
+from thbridge.hunt.events import DecisionKind
 from thbridge.hunt.seats import Seat, StopRight
+from thbridge.roles.keeper.team.decisions import AgreementRule, VotingRules
 from thbridge.roles.keeper.team.game_team import TeamRules
 from thbridge.roles.keeper.team.people_talk import TalkRules
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
@@ -21,6 +23,8 @@ SEATS = (
     Seat("namer", "the namer", stops=StopRight.ALL),
     Seat("scout", "the scout", robots=(2,), takes_over=False),
 )
+
+ALL_AGREE = VotingRules(dict.fromkeys(DecisionKind, AgreementRule.ALL), timeout=60.0)
 
 
 class PersonInHunt:
@@ -97,11 +101,18 @@ class HuntOfPeople:
     """
 
     def __init__(
-        self, seats: Sequence[Seat] = SEATS, opens: float = 0.0, closes: float = math.inf, at_terminal: str = ""
+        self,
+        seats: Sequence[Seat] = SEATS,
+        opens: float = 0.0,
+        closes: float = math.inf,
+        at_terminal: str = "",
+        voting: VotingRules | None = None,
     ) -> None:
         self.people = {seat.name: PersonInHunt(seat.name) for seat in seats if seat.name != at_terminal}
         self.terminal = PersonAtTerminal(at_terminal)
-        rules = replace(RULES, seats=tuple(seats), team=TeamRules(TalkRules(opens, closes)))
+        talk = TalkRules(opens, closes)
+        team = TeamRules(talk) if voting is None else TeamRules(talk, voting)
+        rules = replace(RULES, seats=tuple(seats), team=team)
         first, *others = (person.tabui for person in self.people.values())
         others += [self.terminal.tabui] if at_terminal else []
         self.hunt = HuntWithoutSimulator(robots=3, rules=rules, participant=first, others=others)

@@ -24,9 +24,9 @@ from ui.model.playing.screen import (
 from ui.model.playing.seat_view import (
     asker_of,
     decision_about,
+    is_own,
     label_at_begin,
     label_of,
-    partner_of,
     sees_energy,
     takers,
 )
@@ -230,8 +230,8 @@ def _resting(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
     if number in hunt.view.thinking:
         return texts.text("cards.thinking_where")
     talk = hunt.destination_dialogue(number)
-    if talk is not None and (partner := partner_of(hunt.view, talk)):
-        return texts.clause("seats.talks", seat=partner)
+    if talk is not None and not is_own(hunt.view, number, "select-room"):
+        return texts.text("seats.talks")
     if talk is not None and not talk.choices:
         return texts.text("cards.thinking")
     if talk is not None:

@@ -50,7 +50,7 @@ from ui.model.playing.possible import (
 )
 from ui.model.playing.seat_view import decision_about, is_own, label_of, may_name, sees_energy
 from ui.model.playing.sounds import sounds_of
-from ui.model.playing.votes import news_of
+from ui.model.playing.votes import news_of, results_of
 from ui.model.playing.words import commander_in_words, how_it_comes_back
 
 NOTE = 6.0
@@ -188,6 +188,9 @@ def _begin(memory: ParticipantMemory, view: View) -> None:
     memory.typed, memory.note = "", None
     memory.sounds.clear()
     memory.selected = min(memory.selected, max(len(view.robots) - 1, 0))
+    if view.team is not None:
+        own = [robot.robot for robot in view.robots if not robot.has_other_commander]
+        memory.selected = memory.selected if memory.selected in own else next(iter(own), memory.selected)
     memory.followed = None if memory.followed is None else memory.selected
     memory.motions = ()
     memory.last_refusal = 0 if view.refusal is None else view.refusal.number
@@ -289,6 +292,8 @@ def _receive_team(memory: ParticipantMemory, before: View, view: View, now: floa
     """Announce votes, and requests of teammates for robots of the participant."""
     for sentence in news_of(memory.texts, before, view):
         memory.history.add_event(sentence)
+    if results := results_of(memory.texts, before, view):
+        memory.note = Note(results, now + NOTE)
     asked = () if before.team is None else before.team.asked_for
     for robot, seat in () if view.team is None else view.team.asked_for:
         if (robot, seat) not in asked:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.roles.shared.team_notices import DecisionView, Vote, VoteView
+from thbridge.roles.shared.team_notices import DecisionView, SettledView, Vote, VoteView
 from thbridge.roles.shared.view import TeamView, View
 from ui.model.playing.keys import question_keys
 from ui.model.playing.memory.state import HuntMemory
@@ -50,11 +50,19 @@ def news_of(texts: Texts, before: View, view: View) -> Iterator[str]:
         if each.decision not in known:
             yield proposal(texts, view, each)
         yield from _new_votes(texts, view, each, known.get(each.decision, ()))
-    settled = () if before.team is None else before.team.settled
-    for ended in () if view.team is None else view.team.settled:
-        if ended not in settled:
-            yield from _new_votes(texts, view, ended.decision, known.get(ended.decision.decision, ()))
-            yield _about(texts, view, ended.decision, ended.outcome)
+    for ended in _newly_settled(before, view):
+        yield from _new_votes(texts, view, ended.decision, known.get(ended.decision.decision, ()))
+        yield _about(texts, view, ended.decision, ended.outcome)
+
+
+def results_of(texts: Texts, before: View, view: View) -> str:
+    """Return sentences about the results of votes that are new in a view; empty if there are none."""
+    return " ".join(_about(texts, view, each.decision, each.outcome) for each in _newly_settled(before, view))
+
+
+def _newly_settled(before: View, view: View) -> Iterator[SettledView]:
+    known = () if before.team is None else before.team.settled
+    return (each for each in (() if view.team is None else view.team.settled) if each not in known)
 
 
 def vote_words(texts: Texts, view: View, vote: VoteView) -> str:

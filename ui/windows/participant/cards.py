@@ -90,7 +90,8 @@ class CardFace(ParticipantButton):
         if card.shown_commander:
             ink = palette.accent if card.asked_for else palette.text
             words = card.shown_commander[:1].upper() + card.shown_commander[1:]
-            _draw_line(painter, line, "talk" if card.asked_for else "mast", ink, words)
+            marked: Sign | None = "talk" if card.asked_for else "mast" if card.commander else None
+            _draw_line(painter, line, marked, ink, words)
             line.translate(0.0, self.commander_high())
             line.setRight(right)
         if card.warning:
