@@ -125,8 +125,8 @@ class VotesPanel(QFrame):
         look.style_as_panel(self)
         make_region(self, texts.text("votes.title"))
         inside = OpaqueBackground()
-        self._rows = spaced(QVBoxLayout(inside), int(1.5 * GAP), GAP)
-        spaced(QVBoxLayout(self), 0, 0).addWidget(PanelScrollArea(inside, self._rows))
+        self._rows = spaced(QVBoxLayout(inside), int(1.5 * GAP), GAP // 2)
+        spaced(QVBoxLayout(self), 0, GAP // 2).addWidget(PanelScrollArea(inside, self._rows))
         self.votes: list[VoteRow] = []
         self.hide()
 
@@ -147,7 +147,7 @@ class VotesPanel(QFrame):
     def size_in(self, space: QSize) -> QSize:
         """Return the size of the panel in a space on the map: as high as its words, but less than half of the space."""
         wide = min(px(WIDTH), space.width())
-        around = 2 * self.frameWidth()
+        around = self.width() - self.contentsRect().width() + GAP
         return QSize(wide, min(least_height(self._rows, wide - around) + around, int(0.48 * space.height())))
 
     def _made(self) -> VoteRow:
