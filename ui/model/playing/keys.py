@@ -193,7 +193,8 @@ def act_for(key: str, screen: Screen) -> Act | None:
             act = _bound(key, OVER)
             return act if screen.ending is not None and screen.ending.again.act == act else None
         case Phase.PLAYING:
-            return _playing(key, screen)
+            act = _playing(key, screen)
+            return None if screen.no_map and isinstance(act, FollowRobot | FitMap) else act
         case Phase.CONNECTING:
             return None
 
@@ -329,8 +330,7 @@ def _playing(key: str, screen: Screen) -> Act | None:
         return vote
     if key in HAND_OVER.keys:
         return HAND_OVER.act if any(card.selected and card.hand_over for card in screen.cards) else None
-    act = _bound(key, (*PLAYING, PEOPLE) if _writes(screen) else PLAYING)
-    return None if screen.no_map and isinstance(act, FollowRobot | FitMap) else act
+    return _bound(key, (*PLAYING, PEOPLE) if _writes(screen) else PLAYING)
 
 
 def _writes(screen: Screen) -> bool:
