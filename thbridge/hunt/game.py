@@ -78,7 +78,8 @@ class RobotState(msgspec.Struct, frozen=True):
         intervention: the researcher who intervenes at present, or None.
         seat: seat of the participant who commands the robot when no other party commands it.
         asked_back: number of times that a participant asked the present commander to give the robot back.
-        asked_by: seat of the participant who asked last. Empty if nobody has asked, and in a game with one participant.
+        asked_by: seat of the participant who asked last. Empty if no participant has asked, and in a game with one
+            participant.
         advice: number of the robot's latest advice in this game; 0 before the first advice.
         failure: reason for people why the last move did not reach its room; empty if it did.
         costs: energy to each place from the robot's present position, by the number for people; during a move, from the

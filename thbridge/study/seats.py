@@ -131,7 +131,7 @@ def seats_of(entries: Sequence[SeatEntry]) -> tuple[Seat, ...]:
 def faults_of_seats(
     loaded: Loaded[S], entries: Sequence[SeatEntry], robots: int, condition: DialogueCondition
 ) -> Iterator[BadFile]:
-    """Yield faults of seats: seats that can do nothing, robots that nobody commands, and contradictions.
+    """Yield faults of seats: seats that can do nothing, robots without a commander, and contradictions.
 
     Args:
         loaded: the study.
@@ -171,7 +171,7 @@ def faults_of_seats(
         missing = [robot for robot in range(1, robots + 1) if robot not in numbers]
         if missing:
             listed = ", ".join(map(str, missing))
-            problem = f"nobody commands robot {listed}" if len(missing) == 1 else f"nobody commands robots {listed}"
+            problem = f"no seat commands robot {listed}" if len(missing) == 1 else f"no seat commands robots {listed}"
             yield loaded.fault("seats", problem, "Write each robot in the `robots` of one seat")
         if not any(entry.names_treasures for entry in entries):
             problem = "no seat may name treasures, so every game would have 0 points"

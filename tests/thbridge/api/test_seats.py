@@ -41,8 +41,7 @@ def test_the_caller_plays_all_seats_which_vote_talk_and_hand_over(tmp_path: Path
         (vote,) = namer.view.votes
         assert (vote.kind, vote.robot, vote.room, vote.needs, vote.agree) == ("send", 1, 3, 2, ("driver",))
         namer.vote(vote.decision, agrees=True, reason="near")
-        until(session, lambda: any(event.kind == "departed" for event in session.events))
-        assert driver.view.bound_for.tolist() == [3, 0]
+        until(session, lambda: driver.view.bound_for.tolist() == [3, 0])
         namer.ask_for(2)
         until(session, lambda: driver.view.asked_for == {2: "namer"})
         driver.hand_over(2, "namer")

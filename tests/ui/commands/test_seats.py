@@ -60,9 +60,7 @@ def test_simulated_participants_take_all_seats(study: Path) -> None:
     assert {("departed", "driver"), ("seat-taken", "namer")} <= by
 
 
-def test_a_person_in_the_terminal_takes_the_first_seat(study: Path) -> None:
+def test_a_person_in_the_terminal_is_shown_their_seat(study: Path) -> None:
     command = ("play", "study.yaml", "--participant", "person", "--port", 0, "--bag", "hunt.bag", "--max-seconds", 2)
     done = thbridge(study, *command)
     assert "You take the seat driver. To take another one (namer), add --seat NAME." in " ".join(done.stderr.split())
-    events = [json.loads(line[: line.rindex("}") + 1]) for line in next(study.glob("hunt.journal/*")).open()]
-    assert {event["seat"] for event in events if event["event"] == "seat-taken"} == {"driver", "namer"}

@@ -339,7 +339,7 @@ class Keeper:
 
     def note_left(self, programs: Sequence[str]) -> None:
         """Record that these programs were disconnected since the last step. Call this before `step`."""
-        if programs and self._rules.seats:  # In a game with one participant, nobody needs to know.
+        if programs and self._rules.seats:  # In a game with one participant, no program needs to know.
             self._has_input = True
             for name in programs:
                 for place in self._seats.values():
