@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from sim.common.robot_numbers import index_of
+from sim.common.robot_numbers import index_of, robot_numbers
 from sim.parameters import param
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.strategies import Attitude
@@ -168,7 +168,7 @@ def faults_of_seats(
             problem = f"{entry.name} can do nothing: it commands no robot, takes over none, and names no treasure"
             yield loaded.fault(key, problem, "Write `robots`, `takes_over: true` or `names_treasures: true`")
     if entries:
-        missing = [robot for robot in range(1, robots + 1) if robot not in numbers]
+        missing = [robot for robot in robot_numbers(robots) if robot not in numbers]
         if missing:
             listed = ", ".join(map(str, missing))
             problem = f"no seat commands robot {listed}" if len(missing) == 1 else f"no seat commands robots {listed}"

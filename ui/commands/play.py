@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from contextlib import nullcontext
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,7 +11,6 @@ from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.robots_from import RobotsFrom
-from thbridge.study.study_file import Study
 from ui.command_line.option_sets import with_option_sets
 from ui.command_line.options import (
     PERSON,
@@ -38,6 +37,9 @@ from ui.command_line.options import (
 from ui.command_line.outputs import make_ready
 from ui.command_line.terminal import BAD_INPUT, DECLINED, FAILED, NOT_TAKING_PART, bad_input, fail, note, print_json
 from ui.windows.display import why_no_window
+
+if TYPE_CHECKING:
+    from thbridge.study.study_file import Study
 
 AN_HOUR = 3600.0
 
@@ -276,7 +278,7 @@ def play(
         fail(FAILED, f"The game did not end within {limit:g} simulated seconds. Allow more time with --max-seconds.")
 
 
-def _roles(names: str, study: Study) -> frozenset[str]:
+def _roles(names: str, study: "Study") -> frozenset[str]:
     from thbridge.roles.shared.seat_programs import programs_of
     from thbridge.text_protocol.wire import legacy
 

@@ -118,7 +118,7 @@ class TeamDecisions:
         """
         settled = []
         for number, each in self._open.items():
-            against = sum(not vote.agrees for seat, vote in each.votes.items() if seat in present)
+            against = sum(not vote.agrees for seat, vote in each.votes.items() if seat in present)  # of integers
             # People who have left cannot agree any more.
             needs = min(each.proposed.needs, max(len(present), 1))
             if len(each.agree) >= needs:

@@ -65,7 +65,9 @@ class PeopleTalk:
             return RequestRefused(KeeperReason.NOT_READY, "There is no person with this name.")
         if not text or len(text) > LONGEST_TEXT:
             return RequestRefused(KeeperReason.TOO_LONG, f"A message has 1 to {LONGEST_TEXT} characters.")
-        recent = sum(each.seat == seat.name and each.at > now - BURST_SECONDS for each in self._said[-MOST_LINES:])
+        recent = sum(
+            each.seat == seat.name and each.at > now - BURST_SECONDS for each in self._said[-MOST_LINES:]
+        )  # of integers
         if recent >= BURST or len(self._said) >= MOST_LINES:
             return RequestRefused(KeeperReason.TOO_MANY, "These are too many messages. Wait a little.")
         typing = min(max(request.typing, 0.0), now)
