@@ -83,7 +83,7 @@ async def end(browser: BrowserClient) -> None:
 
 async def go_on(browser: BrowserClient) -> None:
     """Continue after the game, and wait for the last page."""
-    await browser.until(lambda: browser.tree["ending"])
+    await browser.until(lambda: browser.tree.get("ending"))
     await asyncio.sleep(0.4)
     await browser.act(browser.tree["ending"]["buttons"][0]["act"])
     await browser.until(lambda: browser.shown["heading"] == "Thank you")

@@ -208,7 +208,8 @@ def test_a_killed_server_brings_each_person_back_to_their_seat(tmp_path: Path) -
 def test_a_study_with_people_whose_games_have_seats_is_refused_before_anything_starts(tmp_path: Path) -> None:
     base = ", ".join(line.strip() for line in TEAM_TEXT.splitlines()[:4])
     seats = "[{name: north, robots: [1]}, {name: south, robots: [2]}]"
-    text = f"title: Team\nbase: {{{base}, seats: {seats}}}\nsteps: [{{step: trial, name: game, max_seconds: 40}}]\n"
+    steps = "steps: [{step: trial, name: game, max_seconds: 40}]"
+    text = f"title: Team\nconsent_elsewhere: People agreed before.\nbase: {{{base}, seats: {seats}}}\n{steps}\n"
     (tmp_path / "experiment.yaml").write_text(text)
     refused = run_thbridge(tmp_path, "serve", ".", "--port", "0")
     assert refused.returncode == 2
