@@ -42,7 +42,7 @@ from thbridge.roles.shared.view import (
     refusal_wishes,
 )
 from thbridge.timing.wall_clock import utc_now
-from ui.hosting.terminal_talk import TerminalTalk
+from ui.hosting.terminal_talk import TerminalTeamTalk
 from ui.hosting.terminal_team import (
     allowed,
     asked_for_news,
@@ -91,14 +91,14 @@ class TerminalPlayer:
     rooms: Callable[[], RoomNames]
     texts: Callable[[], Texts]
     declined: bool = False
-    talk: TerminalTalk = field(init=False)
+    talk: TerminalTeamTalk = field(init=False)
     _view: View | None = None
     _wanted: tuple[ParticipantRequest, ...] = ()
     _typed: ParticipantRequest | None = None
     _names: dict[int, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.talk = TerminalTalk(self.show, self.texts)
+        self.talk = TerminalTeamTalk(self.show, self.texts)
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
         """Return the requests typed since the last call, and the requests that follow from agreements; see `Player`."""

@@ -22,7 +22,7 @@ TO_ALL, TO_ONE = ">", "@"
 """First character of a typed text to all, and of a text to one seat, which follows the character."""
 
 
-class TerminalTalk:
+class TerminalTeamTalk:
     """Texts of a person at the terminal.
 
     Args:
