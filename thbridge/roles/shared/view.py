@@ -237,7 +237,7 @@ class Teammate:
 
 @dataclass(frozen=True, slots=True)
 class TeamView:
-    """What a participant sees of the seats.
+    """Seats of a game, as a participant sees them.
 
     Attributes:
         own: the participant's own seat.

@@ -1,5 +1,5 @@
-"""What the view of a seat says about the participant's rights and teammates; in a game with one participant, nothing is
-hidden and there are no teammates."""
+"""Rights and teammates of a participant, from the view of the seat. In a game with one participant, nothing is hidden
+and there are no teammates."""
 
 from collections.abc import Iterator
 

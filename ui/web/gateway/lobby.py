@@ -35,8 +35,8 @@ class _Waiting:
 class ServedLobby:
     """People who wait for a game of several. They take places only when a game starts.
 
-    A person whose browser is not connected is not in the lobby, and blocks nobody. When they come back, they wait
-    behind all others.
+    A person whose browser is not connected is not in the lobby and does not block the others. When they come back,
+    they wait behind all others.
 
     Args:
         matching: rule of who plays together.

@@ -50,7 +50,7 @@ class AgreementRule(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class VotingRules:
-    """Which decisions need a vote, and how long it takes.
+    """Rules by which decisions need a vote, and the time for a vote.
 
     Attributes:
         rules: rule of each kind of decision.
