@@ -68,11 +68,11 @@ def test_keys_write_a_text_and_enter_sends_it(server: StateServer, browser: Chro
     for key in "xt":
         browser.press(key)
     browser.press("Enter")
-    done = [act for act in sent(server, browser, "SendTextAct") if act["act"] != "MarkReadAct"]
+    done = [act for act in sent(server, browser, "SayToPeopleAct") if act["act"] != "MarkReadAct"]
     assert done == [
-        {"act": "WriteTextAct", "text": "x"},
-        {"act": "WriteTextAct", "text": "xt"},
-        {"act": "SendTextAct", "to": "", "text": "xt"},
+        {"act": "WriteText", "text": "x"},
+        {"act": "WriteText", "text": "xt"},
+        {"act": "SayToPeopleAct", "to": "", "text": "xt"},
     ]
     assert browser.evaluate(f"{FIELD}.value") == ""
     browser.press("Escape")

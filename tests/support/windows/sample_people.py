@@ -13,7 +13,7 @@ from ui.model.playing.screen import (
     PeoplePanel,
     PersonRow,
     PersonText,
-    SendTextAct,
+    SayToPeopleAct,
 )
 
 
@@ -57,6 +57,6 @@ def people(texts: Texts, label: Callable[[str], str] = lambda seat: f"the {seat}
         prompt=texts.text("people.write_to", who=everyone),
         draft="1 2 3",
         restored=0,
-        send=Action(SendTextAct(""), texts.text("people.send"), "Enter"),
+        send=Action(SayToPeopleAct(""), texts.text("people.send"), "Enter"),
         longest=LONGEST_TEXT,
     )

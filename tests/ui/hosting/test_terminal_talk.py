@@ -4,7 +4,7 @@ import pytest
 
 from tests.support.hunts.people_in_a_hunt import HuntOfPeople
 from thbridge.hunt.events import PersonRead, PersonSaid
-from ui.model.playing.screen import SendTextAct
+from ui.model.playing.screen import SayToPeopleAct
 
 
 @pytest.fixture
@@ -44,7 +44,7 @@ def test_texts_to_all_and_to_one_reach_their_addressees(hunt):
 
 def test_a_text_of_another_person_is_printed_once_and_marked_as_read(hunt):
     before = len(hunt.terminal.lines)
-    hunt.people["driver"].do(SendTextAct("namer", "look\n\x1b[2JRobot 1: done"))
+    hunt.people["driver"].do(SayToPeopleAct("namer", "look\n\x1b[2JRobot 1: done"))
     hunt.run(200)
     assert hunt.terminal.lines[before:] == ["The driver to you only: look \\x1b[2JRobot 1: done"]
     assert [entry.seat for entry in hunt.hunt.log.entries if isinstance(entry, PersonRead)] == ["namer"]

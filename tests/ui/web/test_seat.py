@@ -39,11 +39,11 @@ def test_no_part_of_a_text_is_lost_when_the_page_loads_again() -> None:
     # The browser has received this page, but not painted it yet.
     number = sent[-1]["n"]
     assert isinstance(number, int)
-    seat.receive(ActDone(number, 0.0, {"act": "WriteTextAct", "text": "half a sen"}))
+    seat.receive(ActDone(number, 0.0, {"act": "WriteText", "text": "half a sen"}))
     seat.show_to(again.append)
     seat.refresh()
     assert again[-1]["p"]["v"]["people"]["draft"] == "half a sen"  # type: ignore[call-overload,index]
-    seat.receive(ActDone(number, 1.0, {"act": "SendTextAct", "to": "", "text": "half a sentence"}))
+    seat.receive(ActDone(number, 1.0, {"act": "SayToPeopleAct", "to": "", "text": "half a sentence"}))
     driver.tabui.poll_player()
     hunt.run()
     assert [text for _, text in hunt.people["namer"].read] == ["half a sentence"]

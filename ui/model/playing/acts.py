@@ -54,6 +54,7 @@ from ui.model.playing.screen import (
     AnswerDialogueAct,
     AskWhatItIs,
     Cancel,
+    ChooseAddressee,
     ChooseRobot,
     CloseWindow,
     Confirm,
@@ -68,13 +69,14 @@ from ui.model.playing.screen import (
     HandOverTo,
     IdentifyTreasureAct,
     LeaveTreasureAct,
+    MarkReadAct,
     MeasurePropertyAct,
     NextRobot,
-    PeopleAct,
     PickName,
     PlayAgainAct,
     RequestHandbackAct,
     RequestSuggestionAct,
+    SayToPeopleAct,
     SelectRoomAct,
     ShowHelp,
     ShowNext,
@@ -87,6 +89,7 @@ from ui.model.playing.screen import (
     TypeDigit,
     TypeLetter,
     VoteAct,
+    WriteText,
 )
 from ui.model.playing.seat_view import decisions, may_name, takers, teammates_who_name
 from ui.model.playing.sounds import why_silent
@@ -108,7 +111,7 @@ def do(memory: ParticipantMemory, act: Act, now: float) -> None:
             memory.hovered = room
         case SwitchSound():
             _switch_sound(memory, now)
-        case PeopleAct() if memory.hunt is not None:
+        case ChooseAddressee() | WriteText() | SayToPeopleAct() | MarkReadAct() if memory.hunt is not None:
             do_with_people(memory, memory.hunt, act, now)
         case _ if memory.hunt is not None and memory.hunt.view.game == memory.last_drawn.game:
             _in_game(memory, memory.hunt, act, now)

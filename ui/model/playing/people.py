@@ -17,8 +17,8 @@ from ui.model.playing.screen import (
     PeoplePanel,
     PersonRow,
     PersonText,
-    SendTextAct,
-    WriteTextAct,
+    SayToPeopleAct,
+    WriteText,
 )
 from ui.model.playing.words import clock_words
 
@@ -31,9 +31,9 @@ def do_with_people(memory: ParticipantMemory, hunt: HuntMemory, act: PeopleAct, 
     match act:
         case ChooseAddressee(seat) if _is_addressee(team, seat):
             talk.to = seat
-        case WriteTextAct(text):
+        case WriteText(text):
             talk.write(text, now)
-        case SendTextAct(to, text) if _is_addressee(team, to) and text.strip():
+        case SayToPeopleAct(to, text) if _is_addressee(team, to) and text.strip():
             talk.write(text, now)
             reason = why_not_send(hunt.texts, team, text)
             if reason:
@@ -110,7 +110,7 @@ def people_panel(memory: ParticipantMemory, hunt: HuntMemory) -> PeoplePanel | N
         prompt=texts.text("people.write_to", who=to_whom),
         draft=talk.draft,
         restored=talk.restored,
-        send=Action(SendTextAct(to), texts.text("people.send"), "Enter", enabled=not reason, hint=reason),
+        send=Action(SayToPeopleAct(to), texts.text("people.send"), "Enter", enabled=not reason, hint=reason),
         longest=LONGEST_TEXT,
     )
 

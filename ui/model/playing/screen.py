@@ -6,7 +6,7 @@ is impossible at the moment, it also has a reason in words.
 
 from dataclasses import dataclass
 from enum import IntEnum, StrEnum
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from thbridge.hunt.properties import PropertyDrawing
 from ui.model.shared.scene import RoomState
@@ -284,26 +284,21 @@ class VoteAct(Act):
 
 
 @dataclass(frozen=True, slots=True)
-class PeopleAct(Act):
-    """Act on the panel of the people in the game. It never depends on other parts of the screen."""
-
-
-@dataclass(frozen=True, slots=True)
-class ChooseAddressee(PeopleAct):
+class ChooseAddressee(Act):
     """Write the next text to this seat; if it is empty, to all."""
 
     seat: str
 
 
 @dataclass(frozen=True, slots=True)
-class WriteTextAct(PeopleAct):
+class WriteText(Act):
     """Report the text that is being written."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
-class SendTextAct(PeopleAct):
+class SayToPeopleAct(Act):
     """Send a text to a seat; if it is empty, to all.
 
     The front end inserts the text of its field, and empties the field.
@@ -314,10 +309,14 @@ class SendTextAct(PeopleAct):
 
 
 @dataclass(frozen=True, slots=True)
-class MarkReadAct(PeopleAct):
+class MarkReadAct(Act):
     """Report that all texts up to the one with this number were shown."""
 
     line: int
+
+
+PeopleAct: TypeAlias = ChooseAddressee | WriteText | SayToPeopleAct | MarkReadAct
+"""Act on the panel of the people in the game. It never depends on other parts of the screen."""
 
 
 @dataclass(frozen=True, slots=True)

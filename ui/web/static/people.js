@@ -20,7 +20,7 @@ export class PeoplePanel {
     this.chooser.addEventListener("change", () => this.act(this.page.addressees[this.chooser.selectedIndex].choose));
     this.to = element("label", { class: "to" }, element("span", { class: "muted" }), this.chooser);
     this.field = element("textarea", { rows: 2, autocomplete: "off", enterkeyhint: "send" });
-    this.field.addEventListener("input", () => this.act({ act: "WriteTextAct", text: this.field.value }));
+    this.field.addEventListener("input", () => this.act({ act: "WriteText", text: this.field.value }));
     this.field.addEventListener("keydown", (event) => this.#key(event));
     this.button = element("button", { type: "submit", class: "main" });
     this.hint = element("p", { class: "warning", id: "people-hint", role: "status" });

@@ -11,8 +11,8 @@ from ui.model.playing.screen import (
     PeoplePanel,
     PersonRow,
     PersonText,
-    SendTextAct,
-    WriteTextAct,
+    SayToPeopleAct,
+    WriteText,
 )
 from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, smooth_painter, spaced
@@ -315,14 +315,14 @@ class PeopleView(ActionWidget):
                 self.requested.emit(act)
 
     def _write(self) -> None:
-        self.requested.emit(WriteTextAct(self.field.toPlainText()))
+        self.requested.emit(WriteText(self.field.toPlainText()))
 
     def _send(self) -> None:
         text = self.field.toPlainText()
         if self._panel is None or not text.strip():
             return
         self._fill("")
-        self.requested.emit(SendTextAct(self._panel.to, text))
+        self.requested.emit(SayToPeopleAct(self._panel.to, text))
 
     def _fill(self, text: str) -> None:
         """Replace the text of the field; the game knows it already."""

@@ -9,7 +9,7 @@ from tests.support.hunts.people_in_a_hunt import HuntOfPeople
 from thbridge.hunt.events import PersonRead, PersonSaid
 from thbridge.roles.shared.team_notices import LONGEST_TEXT
 from ui.model.playing.keys import act_for
-from ui.model.playing.screen import ChooseAddressee, GoToPeople, MarkReadAct, SendTextAct, WriteTextAct
+from ui.model.playing.screen import ChooseAddressee, GoToPeople, MarkReadAct, SayToPeopleAct, WriteText
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def test_the_history_begins_with_who_commands_whom(hunt):
 
 def test_a_text_to_all_shows_at_once_and_then_on_every_panel(hunt):
     driver, namer = hunt.people["driver"], hunt.people["namer"]
-    driver.do(SendTextAct("", "I take room 3"))
+    driver.do(SayToPeopleAct("", "I take room 3"))
     assert [(text.text, text.pending) for text in driver.panel.texts] == [("I take room 3", True)]
     hunt.run()
     assert [(text.who, text.text, text.pending) for text in driver.panel.texts] == [("You", "I take room 3", False)]
@@ -58,7 +58,7 @@ def test_a_text_to_all_shows_at_once_and_then_on_every_panel(hunt):
 
 
 def test_a_text_to_one_is_seen_by_no_other_person(hunt):
-    hunt.people["driver"].do(SendTextAct("scout", "psst"))
+    hunt.people["driver"].do(SayToPeopleAct("scout", "psst"))
     hunt.run()
     assert hunt.people["scout"].read == [("The driver to you only", "psst")]
     assert hunt.people["driver"].read == [("You to the scout", "psst")]
@@ -69,18 +69,18 @@ def test_the_addressee_stays_until_another_one_is_chosen(hunt):
     driver = hunt.people["driver"]
     driver.do(ChooseAddressee("scout"))
     assert driver.panel.prompt == "Message to the scout"
-    assert driver.panel.send.act == SendTextAct("scout")
+    assert driver.panel.send.act == SayToPeopleAct("scout")
     driver.do(ChooseAddressee("nobody"))
     assert driver.panel.to == "scout"
 
 
 def test_the_record_has_the_time_from_the_first_key_to_sending(hunt):
     driver = hunt.people["driver"]
-    driver.do(WriteTextAct("I"))
+    driver.do(WriteText("I"))
     hunt.run(50)
-    driver.do(WriteTextAct("I go"))
+    driver.do(WriteText("I go"))
     hunt.run(25)
-    driver.do(SendTextAct("", "I go"))
+    driver.do(SayToPeopleAct("", "I go"))
     hunt.run()
     assert [(entry.seat, entry.to, entry.text) for entry in said(hunt)] == [("driver", "", "I go")]
     assert said(hunt)[0].typing == pytest.approx(1.5)
@@ -88,8 +88,8 @@ def test_the_record_has_the_time_from_the_first_key_to_sending(hunt):
 
 def test_texts_count_as_unread_until_they_were_shown(hunt):
     driver, namer = hunt.people["driver"], hunt.people["namer"]
-    driver.do(SendTextAct("", "one"))
-    driver.do(SendTextAct("", "two"))
+    driver.do(SayToPeopleAct("", "one"))
+    driver.do(SayToPeopleAct("", "two"))
     hunt.run()
     assert (namer.panel.unread, namer.panel.news, driver.panel.unread) == (2, "2 new messages", 0)
     namer.do(namer.panel.read)
@@ -104,15 +104,15 @@ def test_a_text_that_does_not_exist_cannot_be_marked_as_read(hunt):
     namer = hunt.people["namer"]
     namer.do(MarkReadAct(99))
     hunt.run()
-    hunt.people["driver"].do(SendTextAct("", "hello"))
+    hunt.people["driver"].do(SayToPeopleAct("", "hello"))
     hunt.run()
     assert namer.panel.unread == 1
 
 
 def test_equal_texts_are_two_texts_and_a_repeated_request_is_one(hunt):
     driver = hunt.people["driver"]
-    driver.do(SendTextAct("", "ok"))
-    driver.do(SendTextAct("", "ok"))
+    driver.do(SayToPeopleAct("", "ok"))
+    driver.do(SayToPeopleAct("", "ok"))
     hunt.run()
     hunt.run(400)
     assert [entry.text for entry in said(hunt)] == ["ok", "ok"]
@@ -122,7 +122,7 @@ def test_texts_written_without_a_connection_arrive_later_once_and_in_their_order
     driver = hunt.people["driver"]
     driver.away = True
     for text in ("a", "b", "c"):
-        driver.do(SendTextAct("", text))
+        driver.do(SayToPeopleAct("", text))
     hunt.run(100)
     assert said(hunt) == []
     assert [text.pending for text in driver.panel.texts] == [True, True, True]
@@ -135,7 +135,7 @@ def test_texts_written_without_a_connection_arrive_later_once_and_in_their_order
 
 def test_a_text_is_sent_once_if_only_its_confirmation_was_lost(hunt):
     driver = hunt.people["driver"]
-    driver.do(SendTextAct("", "once"))
+    driver.do(SayToPeopleAct("", "once"))
     hunt.run(1)  # The request is on its way.
     driver.away = True
     hunt.run(100)
@@ -154,7 +154,7 @@ def test_a_text_is_sent_once_if_only_its_confirmation_was_lost(hunt):
 def test_a_program_that_joins_again_finds_all_texts_and_what_was_read(hunt):
     driver, namer = hunt.people["driver"], hunt.people["namer"]
     for number in range(20):
-        driver.do(SendTextAct("", f"text {number}"))
+        driver.do(SayToPeopleAct("", f"text {number}"))
         hunt.run(60)
         if number == 14:
             namer.do(namer.panel.read)
@@ -171,8 +171,8 @@ def test_a_program_that_joins_again_finds_all_texts_and_what_was_read(hunt):
 def test_a_refused_text_returns_to_the_field_with_the_reason(hunt):
     driver = hunt.people["driver"]
     for number in range(11):
-        driver.do(SendTextAct("", f"text {number}"))
-    driver.do(WriteTextAct("next"))
+        driver.do(SayToPeopleAct("", f"text {number}"))
+    driver.do(WriteText("next"))
     hunt.run()
     assert driver.panel.draft == "text 10 next"
     assert driver.panel.restored == 1
@@ -183,10 +183,10 @@ def test_a_refused_text_returns_to_the_field_with_the_reason(hunt):
 def test_a_text_that_is_too_long_stays_in_the_field(hunt):
     driver = hunt.people["driver"]
     long = "x" * (LONGEST_TEXT + 1)
-    driver.do(WriteTextAct(long))
+    driver.do(WriteText(long))
     assert not driver.panel.send.enabled
     assert driver.panel.send.hint == "A message has at most 500 characters. This one has 501."
-    driver.do(SendTextAct("", long))
+    driver.do(SayToPeopleAct("", long))
     hunt.run()
     assert (driver.panel.draft, driver.panel.restored, said(hunt)) == (long, 1, [])
 
@@ -200,11 +200,11 @@ def test_talk_opens_and_closes_at_the_times_of_the_study():
     assert (driver.panel.writes, driver.panel.closed) == (True, "")
     assert driver.history[-1] == "You can send messages to each other now."
     assert act_for("T", driver.screen) == GoToPeople()
-    driver.do(SendTextAct("", "hello"))
+    driver.do(SayToPeopleAct("", "hello"))
     hunt.run(100)
     assert driver.panel.closed == "You cannot send messages at the moment."
     assert driver.history[-1] == "You can no longer send messages to each other."
-    driver.do(SendTextAct("", "too late"))
+    driver.do(SayToPeopleAct("", "too late"))
     hunt.run()
     assert [entry.text for entry in said(hunt)] == ["hello"]
     assert driver.panel.draft == "too late"
@@ -227,7 +227,7 @@ def test_a_study_without_talk_shows_the_people_but_no_field():
     ],
 )
 def test_hostile_texts_stay_texts_on_one_line(hunt, text, shown):
-    hunt.people["driver"].do(SendTextAct("", text))
+    hunt.people["driver"].do(SayToPeopleAct("", text))
     hunt.run()
     assert hunt.people["namer"].read == [("The driver", shown)]
     assert said(hunt)[0].text == text
@@ -236,7 +236,7 @@ def test_hostile_texts_stay_texts_on_one_line(hunt, text, shown):
 def test_the_longest_texts_reach_a_program_that_joins_again(hunt):
     driver, namer = hunt.people["driver"], hunt.people["namer"]
     for number in range(10):
-        driver.do(SendTextAct("", str(number) + "\U0001f916" * (LONGEST_TEXT - 1)))
+        driver.do(SayToPeopleAct("", str(number) + "\U0001f916" * (LONGEST_TEXT - 1)))
     hunt.run()
     namer.model = type(namer)("namer").model
     namer.tabui.connected()

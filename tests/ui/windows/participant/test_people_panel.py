@@ -8,13 +8,13 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel
 
 from tests.support.windows import sample_screens
-from ui.model.playing.screen import ChooseAddressee, ChooseRobot, MarkReadAct, NextRobot, SendTextAct, WriteTextAct
+from ui.model.playing.screen import ChooseAddressee, ChooseRobot, MarkReadAct, NextRobot, SayToPeopleAct, WriteText
 
 PEOPLE = sample_screens.states()["people"]
 
 
 def written(shown):
-    return [act for act in shown.done if isinstance(act, WriteTextAct | SendTextAct)]
+    return [act for act in shown.done if isinstance(act, WriteText | SayToPeopleAct)]
 
 
 def test_a_game_of_one_participant_has_no_panel_and_no_button(opened):
@@ -33,8 +33,8 @@ def test_keys_write_a_text_and_enter_sends_it(opened):
     QTest.keyClicks(field, "x 4")
     QTest.keyClick(field, Qt.Key.Key_Return)
     assert written(shown) == [
-        *(WriteTextAct(text) for text in ("x", "x ", "x 4")),
-        SendTextAct("", "x 4"),
+        *(WriteText(text) for text in ("x", "x ", "x 4")),
+        SayToPeopleAct("", "x 4"),
     ]
     assert field.toPlainText() == ""
     QTest.keyClick(field, Qt.Key.Key_Tab)
@@ -97,5 +97,5 @@ def test_letters_in_the_field_are_no_keys_of_the_game(opened, letter):
     shown = opened(PEOPLE, 1400, 800)
     shown.window.people.go_to()
     QTest.keyClicks(shown.window.people.field, letter)
-    assert [act for act in shown.done if not isinstance(act, WriteTextAct | MarkReadAct)] == []
+    assert [act for act in shown.done if not isinstance(act, WriteText | MarkReadAct)] == []
     assert ChooseRobot(1) not in shown.done
