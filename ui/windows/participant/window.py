@@ -204,7 +204,7 @@ class ParticipantWindow(QWidget):
             return [self._page_of[self._screen.phase]]
         pops: list[QWidget] = [panel for panel in (self.dialogue, self.treasure, self.ending) if panel.isVisible()]
         column = (self.column.cards, self.column.rooms, self.people)
-        return [*pops, self.map_area.votes, self.top, *column, self.waiting, self.history]
+        return [*pops, self.top, self.map_area.votes, *column, self.waiting, self.history]
 
     # Each frame -------------------------------------------------------------------------------------------------------
 
