@@ -51,9 +51,9 @@ class Crowd:
 
     @property
     def waits(self) -> list[float]:
-        """Waiting times of people who got a game or an ending, s."""
+        """Waiting times of people who got a game or an ending, s, without errors of rounding."""
         times = [wait for group in self.groups for wait in group.waited.values()]
-        return sorted(times + [each.waited for each in self.ended])
+        return sorted(round(wait, 6) for wait in (*times, *(each.waited for each in self.ended)))
 
 
 def simulate(people: int, then: WaitRule, seed: int, *, by_answers: bool = False) -> dict[int, Crowd]:

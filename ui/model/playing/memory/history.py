@@ -129,10 +129,15 @@ class GameHistory:
 
     def _begin(self, texts: Texts, view: View, *, once: bool) -> None:
         fresh = all(room.state == "unvisited" for room in view.rooms)
-        place = "history" if fresh or sees_score(view) else "seats"
+        if fresh:
+            key = "history.begins_once" if once else "history.begins"
+        elif sees_score(view):
+            key = "history.under_way_once" if once else "history.under_way"
+        else:
+            key = "seats.under_way_once" if once else "seats.under_way"
         self.add_event(
             texts.text(
-                f"{place}.{'begins' if fresh else 'under_way'}{'_once' if once else ''}",
+                key,
                 number=view.game,
                 robots=texts.text("words.robots", count=len(view.robots)),
                 rooms=texts.text("words.rooms", count=len(view.rooms)),

@@ -19,7 +19,7 @@ from ui.model.shared.points import scored
 def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | None:
     """Return the question about the pending step; None if no step is pending."""
     texts, score = hunt.texts, scored(hunt.view.score)
-    place = "confirmations" if sees_score(hunt.view) else "seats"
+    with_score = sees_score(hunt.view)
     yes, no = (binding.keys[0] for binding in question_keys(texts))
     match hunt.pending_step:
         case Reroute(robot, room):
@@ -44,16 +44,20 @@ def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | 
             left = sum(room.state == "unvisited" for room in hunt.view.rooms)
             return Confirmation(
                 texts.text("confirmations.end"),
-                texts.text(f"{place}.end_text", count=left, score=score)
+                texts.text("confirmations.end_text" if with_score else "seats.end_text", count=left, score=score)
                 if left
-                else texts.text(f"{place}.end_text_all_visited", score=score),
+                else texts.text(
+                    "confirmations.end_text_all_visited" if with_score else "seats.end_text_all_visited", score=score
+                ),
                 Action(Confirm(), texts.text("confirmations.end_yes"), yes),
                 Action(Cancel(), texts.text("confirmations.end_no"), no),
             )
         case LeaveLastTreasure(room):
             return Confirmation(
                 texts.text("confirmations.leave_last"),
-                texts.text(f"{place}.leave_last_text", room=room, score=score),
+                texts.text(
+                    "confirmations.leave_last_text" if with_score else "seats.leave_last_text", room=room, score=score
+                ),
                 Action(Confirm(), texts.text("confirmations.leave_last_yes"), yes),
                 Action(Cancel(), texts.text("confirmations.leave_last_no"), no),
             )
