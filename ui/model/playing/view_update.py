@@ -337,7 +337,7 @@ def _receive_refusal(memory: ParticipantMemory, hunt: HuntMemory, now: float) ->
         return
     if refusal.wish == kind_of(SayToPeople):
         memory.talk.restore()
-    if refusal.reason == KeeperReason.NOT_AGREED_ON:
+    if refusal.reason == KeeperReason.NOT_AGREED_ON and hunt.view.team is not None:
         # The result of the vote is in the history already.
         hunt.pending.drop_refused(refusal)
         if refusal.wish == kind_of(IdentifyTreasure):
