@@ -79,6 +79,8 @@ class GameMeasures:
     each_seat: tuple[SeatStatistics, ...] = ()
 
 
+SEAT_MEASURES = ("votes", "agreement", "seconds_to_decide", "texts", "each_seat")
+"""Measures of games with several seats. Designs must name them, so that sweeps of earlier releases can be resumed."""
 MEASURES = tuple(field.name for field in dataclasses.fields(GameMeasures))
 """Names of all measures."""
 
