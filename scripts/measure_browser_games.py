@@ -6,6 +6,8 @@ seconds, each one does an act that its page offers. The script prints the time f
 errors, stalls, memory and processor time. With `--find`, it looks for the greatest number of games within the bound, in
 trials of `--minutes` each. The exit code is 1 if there is an error or a stall, or if the time is above the bound.
 
+With `--seats`, several people play each game, and each of them commands some of the robots.
+
 With `--browsers`, some of these people use Debian's Chromium, on the same machine. For them, the time ends after the
 page is painted.
 """
@@ -45,6 +47,14 @@ steps:
   - {{step: instructions, text: welcome.txt}}
   - {{step: trial, name: game, max_seconds: {seconds}}}
 """
+TEAM = """\
+map: {map}
+robots: {robots}
+server: {{port: 0}}
+seats:
+{seats}
+"""
+"""Study file of games with several people."""
 BOUND = 0.1
 """Greatest 95th percentile of the time from an act to the page with its effect, seconds."""
 STALL = 2.0
@@ -167,10 +177,11 @@ class Person:
         port: port of the server.
         chosen: source of random numbers.
         measured: measurements of all people.
+        pages: number of pages before the game.
     """
 
-    def __init__(self, port: int, chosen: random.Random, measured: Measured) -> None:
-        self._port, self._chosen, self._measured = port, chosen, measured
+    def __init__(self, port: int, chosen: random.Random, measured: Measured, pages: int) -> None:
+        self._port, self._chosen, self._measured, self._pages = port, chosen, measured, pages
 
     async def play(self) -> None:
         """Play until cancelled."""
@@ -187,7 +198,7 @@ class Person:
                 await browser.close()
 
     async def _take_part(self, browser: BrowserClient) -> None:
-        for _ in range(2):
+        for _ in range(self._pages):
             await browser.press_button()
         await browser.until(lambda: browser.tree.get("phase") == "playing", START_SECONDS)
         self._measured.playing += 1
@@ -198,6 +209,10 @@ class Person:
         finally:
             self._measured.playing -= 1
         self._measured.games += 1
+        if ending := browser.tree.get("ending"):
+            await asyncio.sleep(1.0)  # An answer right after a change of the page is not accepted.
+            await browser.act(ending["buttons"][0]["act"])
+            await asyncio.sleep(1.0)
 
     async def _act(self, browser: BrowserClient) -> None:
         """Do one act, and measure the time to the page with its effect."""
@@ -232,12 +247,18 @@ def offers(part: object) -> Iterator[dict[str, Any]]:
 
 
 @contextmanager
-def server(study: Path, games: int) -> Iterator[int]:
-    """Start a server; yield its port. All its games end with it."""
+def server(study: Path, recorded: Path, games: int) -> Iterator[int]:
+    """Start a server; yield its port. All its games end with it.
+
+    Args:
+        study: folder of the study, or study file.
+        recorded: folder of the recordings.
+        games: greatest number of games.
+    """
     log = study.parent / "server.txt"
     with log.open("wb") as output:
         program = subprocess.Popen(
-            [*PROGRAM, "serve", str(study), "--port", "0", "--games", str(games)],
+            [*PROGRAM, "serve", str(study), "--port", "0", "--games", str(games), "--bags", str(recorded)],
             stdout=output,
             stderr=output,
             env={**os.environ, "PYTHONPATH": str(ROOT), "PYTHONUNBUFFERED": "1"},
@@ -251,14 +272,14 @@ def server(study: Path, games: int) -> Iterator[int]:
         finally:
             program.terminate()
             program.wait()
-            for process in processes(study):
+            for process in processes(recorded):
                 with suppress(ProcessLookupError):
                     os.kill(process, signal.SIGKILL)
 
 
-def processes(study: Path) -> list[int]:
-    """Return the processes of all running games."""
-    games = RunningGames.of(study)
+def processes(recorded: Path) -> list[int]:
+    """Return the processes of all running games of the server with this folder of recordings."""
+    games = RunningGames.of(recorded)
     return [address.process for key in games if (address := games.address(key)) is not None]
 
 
@@ -295,6 +316,7 @@ class Trial:
 
     Attributes:
         games: number of games at the same time.
+        seats: number of people in each game.
         measured: measurements of the people.
         cores: processor time per second of a game, of the gateway, and of the people's programs.
         game_memory: bytes of a game.
@@ -302,6 +324,7 @@ class Trial:
     """
 
     games: int
+    seats: int
     measured: Measured
     cores: tuple[float, float, float]
     game_memory: float
@@ -323,6 +346,7 @@ class Trial:
         measured, (game, gateway, people) = self.measured, self.cores
         times = sorted(measured.times) or [float("inf")]
         yield "games at the same time", f"{self.games}"
+        yield "people in each game", f"{self.seats}"
         yield "acts", f"{measured.acts}"
         yield "act to page, median", f"{1000 * statistics.median(times):.0f} ms"
         yield "act to page, 95 %", f"{1000 * self.p95:.0f} ms (bound: {1000 * BOUND:.0f} ms)"
@@ -340,19 +364,23 @@ class Trial:
             yield f"games on {cores} cores at 80 % of their time", f"{int(0.8 * cores / share) if share else 0}"
 
 
-async def trial(study: Path, port: int, games: int, browsers: int, seconds: float, seed: int) -> Trial:
+async def trial(study: Path, recorded: Path, port: int, games: int, options: argparse.Namespace) -> Trial:
     """Let people play for some time."""
-    measured = Measured()
-    kinds = [ChromiumPerson if each < browsers else Person for each in range(games)]
-    visitors = (kind(port, random.Random(seed + each), measured) for each, kind in enumerate(kinds))
+    measured, people, seconds = Measured(), games * options.seats, 60 * options.minutes
+    pages = 2 if options.seats == 1 else 1
+    visitors: list[ChromiumPerson | Person] = []
+    for each in range(people):
+        chosen = random.Random(options.seed + each)
+        in_browser = each < options.browsers
+        visitors.append(ChromiumPerson(port, chosen, measured) if in_browser else Person(port, chosen, measured, pages))
     players = [asyncio.create_task(each.play()) for each in visitors]
     began = time.monotonic()
-    while measured.playing < games and time.monotonic() - began < START_SECONDS:
+    while measured.playing < people and time.monotonic() - began < START_SECONDS:
         await asyncio.sleep(0.1)
     # Only the time in which everybody plays is measured.
     measured.times.clear()
     measured.acts = measured.stalls = 0
-    workers, gateway = processes(study), gateway_of(study)
+    workers, gateway = processes(recorded), gateway_of(study)
     before, began, own = (
         {each: cpu_seconds(each) for each in (*workers, gateway)},
         time.monotonic(),
@@ -361,13 +389,14 @@ async def trial(study: Path, port: int, games: int, browsers: int, seconds: floa
     await asyncio.sleep(seconds)
     passed = time.monotonic() - began
     spent = {each: cpu_seconds(each) - cpu for each, cpu in before.items() if cpu_seconds(each) > cpu}
-    people = (time.process_time() - own) / passed
+    programs = (time.process_time() - own) / passed
     game = statistics.fmean([spent[each] for each in workers if each in spent] or [0.0]) / passed
-    now = processes(study)
+    now = processes(recorded)
     result = Trial(
         games,
+        options.seats,
         measured,
-        (game, spent.get(gateway, 0.0) / passed, people),
+        (game, spent.get(gateway, 0.0) / passed, programs),
         statistics.fmean(map(memory, now)) if now else 0.0,
         memory(gateway),
     )
@@ -388,17 +417,29 @@ def gateway_of(study: Path) -> int:
     raise LookupError("the server has ended")
 
 
+def write_study(folder: Path, options: argparse.Namespace) -> tuple[Path, Path]:
+    """Write the study; return its path, and the folder of its recordings."""
+    if options.seats > 1:
+        study = folder / "team.yaml"
+        robots = [[*range(each + 1, options.robots + 1, options.seats)] for each in range(options.seats)]
+        seats = "\n".join(f"  - {{name: person-{each + 1}, robots: {own}}}" for each, own in enumerate(robots))
+        study.write_text(TEAM.format(map=options.map, robots=options.robots, seats=seats))
+        return study, folder / "served"
+    study = folder / "study"
+    study.mkdir()
+    (study / "welcome.txt").write_text("You play one game.\n")
+    seconds = int(60 * options.minutes) + 600
+    text = STUDY.format(map=options.map, robots=options.robots, seconds=seconds)
+    (study / "experiment.yaml").write_text(text)
+    return study, study
+
+
 def try_games(options: argparse.Namespace, games: int) -> Trial:
     """Measure one number of games, and print the table."""
     with tempfile.TemporaryDirectory(prefix="thbridge-trial-", dir=options.folder) as folder:
-        study = Path(folder, "study")
-        study.mkdir()
-        (study / "welcome.txt").write_text("You play one game.\n")
-        seconds = int(60 * options.minutes) + 600
-        text = STUDY.format(map=options.map, robots=options.robots, seconds=seconds)
-        (study / "experiment.yaml").write_text(text)
-        with server(study, games) as port:
-            result = asyncio.run(trial(study, port, games, options.browsers, 60 * options.minutes, options.seed))
+        study, recorded = write_study(Path(folder), options)
+        with server(study, recorded, games) as port:
+            result = asyncio.run(trial(study, recorded, port, games, options))
     rows = [*result.rows()]
     width = max(len(name) for name, _ in rows)
     print("\n".join(f"{name:{width}}  {value}" for name, value in rows), flush=True)
@@ -426,6 +467,7 @@ def main() -> None:
     """Run the trials."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--games", type=int, default=42, help="number of games; with --find, of the first trial")
+    parser.add_argument("--seats", type=int, default=1, help="people in each game")
     parser.add_argument("--browsers", type=int, default=0, help="number of people who use Chromium")
     parser.add_argument("--minutes", type=float, default=5.0, help="minutes in which all people play")
     parser.add_argument("--find", action="store_true", help="find the greatest number of games within the bound")

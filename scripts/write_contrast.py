@@ -67,6 +67,8 @@ PAIRS = (
     Pair("kiosk/items/line.py", "edge of the mark", "panel", "accent", "shown elsewhere", besides="the mark itself"),
     Pair("kiosk/items/panel.py", "ring of the item with the focus", "accent", "window", "sign"),
     Pair("participant/history.py", "sentences", "text muted", "panel"),
+    Pair("participant/people.py", "edge of a text that is not delivered yet", "line", "panel", "sign"),
+    Pair("participant/people.py", "edge on the side of the author", "accent muted", "panel track", "sign"),
     Pair("participant/pages/pages.py", "keys on the help sheet", "text", "panel"),
     Pair("participant/top.py", "banner of a note", "text", "panel"),
     Pair("participant/top.py", "banner of a problem", "panel", "bad"),

@@ -1,16 +1,16 @@
-"""Write the pages `study-file.md` and `study-keys.md` of `docs/reference`: every key of a study, from the code.
+"""Write the pages of keys in `docs/reference`, from the code: `study-file.md`, `study-seats.md` and `study-keys.md`.
 
 python scripts/write_study_keys.py [FOLDER]
 """
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from thbridge.experiment.design.experiment_file import ExperimentFile
 from thbridge.experiment.questionnaires.form import Form
 from thbridge.experiment.rehearsal.people import SimulatedPeople
-from thbridge.files.yaml.tree import Section, parse
+from thbridge.files.yaml.tree import parse
 from thbridge.study.study_file import Study, StudyFile
 from ui.model.study_form.form import FieldKind, FormField, FormGroup, form_of, hint_of
 
@@ -23,9 +23,18 @@ For researchers and admins: every key of the YAML file that `thbridge play` and 
 
 `scripts/write_study_keys.py` writes this page from the code. `thbridge study init study.yaml` writes the same keys as
 a commented file, and `thbridge study edit` shows them as a form. The parameters of robots and their world (sections
-`robot` and `world`) have [a page of their own](parameters.md).
+`robot` and `world`) have [a page of their own](parameters.md), and so have the sections `seats` and `team`
+of [games with several people](study-seats.md).
 
 ## At the top
+"""
+SEATS_HEAD = """\
+# Keys of games with several people
+
+For researchers who study teams: the sections `seats` and `team` of a [study file](study-file.md).
+
+`scripts/write_study_keys.py` writes this page from the code. [Several people in one
+game](../how-to/several-people.md) explains how seats, texts and votes work together.
 """
 HEAD = """\
 # Keys of a study with people
@@ -62,15 +71,26 @@ FILES = (
 sections."""
 
 
+LISTS = {"seats": "Keys of a seat", "things": "Keys of an obstacle"}
+"""Sections of a study that are lists, with the line above the keys of an entry."""
+OF_SEATS = {"seats", "team"}
+"""Sections of games with several people."""
+ELSEWHERE = {"robot", "world", *OF_SEATS}
+"""Sections of a study file that have pages of their own."""
+
+
 def study_page() -> str:
     """Return the page of a study file's keys."""
-    form = form_of("", Section(1, []), StudyFile.of(Study()))
+    form = _study_form()
     parts = [STUDY_HEAD, *_table(_row(field, field.key) for field in form.fields)]
-    for section in form.groups:
-        if section.key not in {"robot", "world"}:
-            parts.append(f"\n## `{section.key}`\n\n{section.help[:1].upper()}{section.help[1:]}.\n")
-            parts += _table(_own_rows(section, {}))
+    parts += _sections(section for section in form.groups if section.key not in ELSEWHERE)
     return "\n".join(parts) + "\n"
+
+
+def seats_page() -> str:
+    """Return the page of the keys of games with several people."""
+    sections = _sections(section for section in _study_form().groups if section.key in OF_SEATS)
+    return SEATS_HEAD + "\n".join(sections) + "\n"
 
 
 def document() -> str:
@@ -85,6 +105,22 @@ def document() -> str:
             parts.append(f"\n### {title}\n")
             parts += _table(_row(field, field.key.rpartition(".")[2]) for field in groups[key].fields)
     return "\n".join(parts) + "\n"
+
+
+def _study_form() -> FormGroup:
+    text = "".join(f"{key}: [{{}}]\n" for key in LISTS)
+    return form_of(text, parse(Path("file"), text), StudyFile.of(Study()))
+
+
+def _sections(sections: Iterable[FormGroup]) -> Iterator[str]:
+    for section in sections:
+        yield f"\n## `{section.key}`\n\n{section.help[:1].upper()}{section.help[1:]}.\n"
+        if section.key in LISTS:
+            entry = next(group for group in section.all_groups() if group.key == f"{section.key}[0]")
+            yield f"{LISTS[section.key]}:\n"
+            yield from _table(_row(field, field.key.rpartition(".")[2]) for field in entry.fields)
+        else:
+            yield from _table(_own_rows(section, {}))
 
 
 def _own_rows(form: FormGroup, sections: dict[str, str]) -> Iterator[str]:
@@ -111,4 +147,5 @@ if __name__ == "__main__":
     parser.add_argument("folder", nargs="?", type=Path, metavar="FOLDER", default=ROOT / "docs" / "reference")
     folder = parser.parse_args().folder
     (folder / "study-file.md").write_text(study_page(), encoding="utf-8")
+    (folder / "study-seats.md").write_text(seats_page(), encoding="utf-8")
     (folder / "study-keys.md").write_text(document(), encoding="utf-8")

@@ -18,9 +18,8 @@ def test_the_pages_are_up_to_date() -> None:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     assert module.document() == PAGE, "python scripts/write_study_keys.py"
-    assert module.study_page() == (FOLDER / "study-file.md").read_text(encoding="utf-8"), (
-        "python scripts/write_study_keys.py"
-    )
+    for name, page in (("study-file.md", module.study_page()), ("study-seats.md", module.seats_page())):
+        assert page == (FOLDER / name).read_text(encoding="utf-8"), "python scripts/write_study_keys.py"
 
 
 def test_the_questionnaire_of_the_page_has_no_faults() -> None:

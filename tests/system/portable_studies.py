@@ -240,7 +240,7 @@ def play_study(name: str, bag: Path) -> None:
         recorder = BagRecorder(Broadcast(build_publisher(setting), record, setting.map.grid, [writer]))
         roles = [simr, build_hider(setting.templates, study.seed)]
         vehicles = vehicle_factory(setting, simr) if study.mavlink.on else None
-        session = Session(build_keeper(setting), roles, [recorder], player, vehicles)
+        session = Session(build_keeper(setting), roles, [recorder], () if player is None else (player,), vehicles)
         for tick in range(round(chosen.seconds * TICKS_PER_SECOND)):
             give(tick, session)
             session.step()

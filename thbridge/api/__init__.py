@@ -12,3 +12,4 @@ from thbridge.api.study import HuntStudy as HuntStudy
 from thbridge.api.view import HuntAgreement as HuntAgreement
 from thbridge.api.view import HuntDialogue as HuntDialogue
 from thbridge.api.view import HuntView as HuntView
+from thbridge.api.view import HuntVote as HuntVote

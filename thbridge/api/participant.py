@@ -6,16 +6,20 @@ from typing import Literal, SupportsIndex
 
 from sim.common.robot_numbers import index_of
 from thbridge.api.errors import HuntError
+from thbridge.api.view import HuntView, view_of
+from thbridge.roles.shared.team_notices import SayToPeople, Vote
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     EndGame,
     GiveConsent,
+    HandOver,
     IdentifyTreasure,
     LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
     PlayAgain,
+    RequestHandback,
     RequestSuggestion,
     SelectRoom,
     SendRobot,
@@ -54,12 +58,24 @@ class HuntParticipant:
     `discuss`, and end with `take_picture` or `name`.
 
     Robots and rooms are numbers from 1.
+
+    Attributes:
+        seat: name of the participant's seat; empty in a game with one participant.
     """
 
-    def __init__(self, ask: Callable[[ParticipantRequest], None], view: Callable[[], View | None], robots: int) -> None:
+    def __init__(
+        self, ask: Callable[[ParticipantRequest], None], view: Callable[[], View | None], robots: int, seat: str = ""
+    ) -> None:
         self._ask = ask
         self._view = view
         self._robots = robots
+        self.seat = seat
+
+    @property
+    def view(self) -> HuntView | None:
+        """Part of the state that this participant may know; None in the first ticks, before the game sends a view."""
+        view = self._view()
+        return None if view is None else view_of(view)
 
     def agree(self) -> None:
         """Give consent to take part, if the study asks for consent."""
@@ -130,6 +146,24 @@ class HuntParticipant:
         """Return to a treasure that was left without a name, while the robot is still in the room."""
         self._ask(TakeUpTreasure(whole("room", room)))
 
+    # Requests in games with several seats
+
+    def hand_over(self, robot: int, seat: str) -> None:
+        """Hand over the command of a robot to the participant of another seat."""
+        self._ask(HandOver(self._index(robot), seat))
+
+    def ask_for(self, robot: int) -> None:
+        """Ask the commander of a robot, for example the participant of another seat, to hand it over."""
+        self._ask(RequestHandback(self._index(robot)))
+
+    def say(self, text: str, to: str = "") -> None:
+        """Send a text to the participant of the seat `to`, or to all other participants."""
+        self._ask(SayToPeople(text, to))
+
+    def vote(self, decision: int, agrees: bool, reason: str = "") -> None:
+        """Vote on a decision, given its number in `view.votes`."""
+        self._ask(Vote(whole("decision", decision), agrees, reason))
+
     def end_game(self) -> None:
         """End the game even if robots can still act."""
         self._ask(EndGame(self._game()))
@@ -146,7 +180,8 @@ class HuntParticipant:
         return checked_index(robot, self._robots)
 
     def __repr__(self) -> str:
-        return f"<HuntParticipant of {self._robots} robots>"
+        seat = f" {self.seat}" if self.seat else ""
+        return f"<HuntParticipant{seat} of {self._robots} robots>"
 
 
 def checked_index(robot: int, robots: int) -> int:

@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import Self
@@ -22,8 +23,8 @@ from thbridge.api.errors import HuntError, as_hunt_errors
 from thbridge.api.participant import HuntParticipant, QueuePlayer, checked_index, whole
 from thbridge.api.snapshot import HuntSnapshot, Ranges, snapshot_of
 from thbridge.api.study import HuntStudy, Simulated, setting_of
-from thbridge.api.view import HuntView, view_of
-from thbridge.app.compose.game import build_bot
+from thbridge.api.view import HuntView
+from thbridge.app.compose.game import build_participants
 from thbridge.app.compose.recording import build_record, build_recorder, build_writer
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.session import NOT_RECORDED, SessionRecording, build_programs, open_session
@@ -34,8 +35,9 @@ from thbridge.app.session.session import Session, TickRecord, TickRecorder
 from thbridge.app.session.watch_requests import WatchRequest, objection
 from thbridge.files.plugins import PARTICIPANTS
 from thbridge.hunt.codec import kind_of, to_json
-from thbridge.hunt.events import Commander, Event
+from thbridge.hunt.events import Commander, JournalEntry
 from thbridge.hunt.rooms import Room
+from thbridge.hunt.seats import ONE_SEAT
 from thbridge.mavlink.files.tlog import TlogFile
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, make_room, tlog_of, try_place
@@ -53,6 +55,7 @@ from thbridge.roles.shared.robot_requests import (
     StationTakePicture,
     TakeCommand,
 )
+from thbridge.roles.shared.seat_programs import program_of
 from thbridge.roles.shared.view import ParticipantRequest
 from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.records import InitialPose, SimpleGoal, VelocityCommand
@@ -74,8 +77,10 @@ class HuntEvent:
     Attributes:
         seconds: simulated time of the session.
         kind: kind of the event. Events of the game are "started", "hidden", "departed", "arrived", "failed", "sensed",
-            "pictured", "identified", "left", "ended" and further kinds, as in recordings. Other events are "said" (a
-            sentence in a dialogue), "refused" (a refused request), and "goal" (the end of a robot's goal).
+            "pictured", "identified", "left", "ended" and further kinds, as in recordings. In a game with several seats,
+            "personsaid", "proposed", "voted" and "settled" are texts and votes of participants, and `data` has the
+            `seat` of the participant who caused an event. Other events are "said" (a sentence in a dialogue), "refused"
+            (a refused request), and "goal" (the end of a robot's goal).
         robot: number of the robot, from 1; None if the event is not about a robot.
         room: number of the room, from 1; None if the event is not about a room.
         text: for "said", the sentence; for "refused", the reason; for "goal", "reached", "cancelled", or the reason for
@@ -102,18 +107,26 @@ class HuntSession:
         study: the study.
         participant: name of a simulated participant, built-in or installed. If None, the caller plays.
         record: path of a recording, `NAME.bag`; an existing file is renamed first. If None, nothing is recorded.
+        seats: names of the seats that the caller plays, in a study with several. Simulated participants play the
+            others, with the strategy `participant` or, if this is None, with the study's strategies. If `seats` is
+            None, the caller plays all seats, or none if `participant` is given.
 
     Raises:
-        HuntError: the recording cannot be written to this path.
+        HuntError: the recording cannot be written to this path, or the study does not have one of the seats.
 
     Attributes:
         study: the study.
         events: events so far, oldest first.
-        participant: requests of the participant, if the caller plays.
+        participant: requests of the participant, if the caller plays; in a study with several seats, of the first seat
+            that the caller plays. See `seat` for the others.
     """
 
     def __init__(
-        self, study: HuntStudy, participant: Simulated | None = None, record: str | Path | None = None
+        self,
+        study: HuntStudy,
+        participant: Simulated | None = None,
+        record: str | Path | None = None,
+        seats: Sequence[str] | None = None,
     ) -> None:
         setting = setting_of(study)
         if participant is not None:
@@ -122,15 +135,18 @@ class HuntSession:
         self.events: list[HuntEvent] = []
         self._setting = setting
         self._goals = count()
-        self._queue = QueuePlayer()
-        if participant is None:
-            self._tabui = TabUI(self._queue)
-        else:
-            attitude = setting.study.participant.attitude
-            with as_hunt_errors():
-                self._tabui = TabUI(build_bot(setting.templates, participant, setting.study.seed, attitude))
-        self._plays = participant is None
-        self.participant = HuntParticipant(self._say, lambda: self._tabui.view, study.robots)
+        played = _played_seats(setting, seats, is_simulated=participant is not None)
+        self._queues = {seat: QueuePlayer() for seat in played}
+        places = [each.name for each in setting.study.seats] or [ONE_SEAT.name]
+        with as_hunt_errors():
+            others = () if {*played} == {*places} else build_participants(setting, participant)
+        simulated = {each.name: each for each in others}
+        self._programs = {
+            seat: TabUI(self._queues[seat], seat=seat) if seat in played else simulated[program_of(seat)]
+            for seat in places
+        }
+        self._first = next(iter(played), places[0])
+        self.participant = self.seat(self._first)
         self._ending = EndCondition(math.inf)
         self._finished = False
         self._scans: list[Ranges] = [np.full(setting.study.world.laser.beams, np.nan, np.float32)] * study.robots
@@ -138,10 +154,10 @@ class HuntSession:
         self._open = ExitStack()
         self._closed = False
         self._team = build_team(setting)
-        programs = build_programs(setting, self._tabui, team=self._team)
+        programs = build_programs(setting, tuple(self._programs.values()), team=self._team)
         recording = NOT_RECORDED
         if record is not None:
-            recording = self._recording(Path(record), programs.names, PROGRAM if participant is None else participant)
+            recording = self._recording(Path(record), programs.names, PROGRAM if played else participant or "")
         self._session = open_session(setting, programs, recording)
 
     def _recording(self, bag: Path, roles: Sequence[str], participant: str) -> SessionRecording:
@@ -239,7 +255,7 @@ class HuntSession:
                     self._scans[robot] = scan.ranges
                 if (result := output.navigation.result) is not None:
                     self.events.append(HuntEvent(self.seconds, "goal", number_of(robot), text=_end_of_goal(result)))
-        if record.events or record.utterances or record.refusals:
+        if record.events or record.team or record.utterances or record.refusals:
             self.events += _events_in(record, self.seconds)
 
     # State
@@ -281,8 +297,22 @@ class HuntSession:
 
     @property
     def view(self) -> HuntView | None:
-        """Part of the state that the participant may know; None in the first ticks, before the game sends a view."""
-        return None if self._tabui.view is None else view_of(self._tabui.view)
+        """Part of the state that the participant may know; None in the first ticks, before the game sends a view.
+
+        In a study with several seats, this is the view of `participant`.
+        """
+        return self.participant.view
+
+    def seat(self, name: str) -> HuntParticipant:
+        """Return the requests and the view of the participant of a seat. A simulated participant has only a view.
+
+        Raises:
+            HuntError: the study has no such seat.
+        """
+        program = self._programs.get(name)
+        if program is None:
+            raise _no_seat(self._setting, name)
+        return HuntParticipant(partial(self._say, name), lambda: program.view, self.study.robots, name)
 
     # Requests to the game: the rules apply, but no dialogue is needed
 
@@ -391,12 +421,14 @@ class HuntSession:
             raise HuntError(f"{reason}. Nothing was changed.")
         self._session.ask(SENDER, request)
 
-    def _say(self, request: ParticipantRequest) -> None:
-        if not self._plays:
-            problem = "a simulated participant plays"
-            raise HuntError(f"{problem}. Start the session without `participant` to play yourself.", key="participant")
-        self._queue.put(request)
-        self._tabui.poll_player()
+    def _say(self, seat: str, request: ParticipantRequest) -> None:
+        queue = self._queues.get(seat)
+        if queue is None:
+            problem = f"a simulated participant plays {seat}".rstrip()
+            remedy = f"Add {seat!r} to `seats`" if seat else "Start the session without `participant`"
+            raise HuntError(f"{problem}. {remedy} to play yourself.", key="seats" if seat else "participant")
+        queue.put(request)
+        self._programs[seat].poll_player()
 
     def _index(self, robot: int) -> int:
         return checked_index(robot, self.study.robots)
@@ -424,7 +456,24 @@ class HuntSession:
         return f"<HuntSession {state}, {self.seconds:.2f} s of {self.study!r}>"
 
 
-def noted(seconds: float, event: Event) -> HuntEvent:
+def _played_seats(setting: StudySetting, wanted: Sequence[str] | None, *, is_simulated: bool) -> Sequence[str]:
+    """Return the seats that the caller plays; see `HuntSession`. Raises HuntError: there is no such seat."""
+    names = [each.name for each in setting.study.seats]
+    if wanted is None:
+        return () if is_simulated else names or (ONE_SEAT.name,)
+    for name in wanted:
+        if name not in names:
+            raise _no_seat(setting, name)
+    return wanted
+
+
+def _no_seat(setting: StudySetting, name: str) -> HuntError:
+    names = ", ".join(each.name for each in setting.study.seats)
+    remedy = f"Write one of these: {names}" if names else "Omit the argument"
+    return HuntError(f"seats: the study has no seat {name!r}. {remedy}.", key="seats")
+
+
+def noted(seconds: float, event: JournalEntry) -> HuntEvent:
     """Return an event of the game as a `HuntEvent`."""
     data: dict[str, object] = json.loads(to_json(event))
     for key in ("v", "event", "robot", "room"):
@@ -441,11 +490,13 @@ def noted(seconds: float, event: Event) -> HuntEvent:
 
 
 def _events_in(record: TickRecord, seconds: float) -> Iterator[HuntEvent]:
-    """Yield the events of a tick: events of the game, sentences of dialogues, and refused requests."""
-    for event in record.events:
+    """Yield the events of a tick: events of the game and of its participants, sentences, and refused requests."""
+    for event in (*record.events, *record.team):
         yield noted(seconds, event)
     for said in record.utterances:
         topic, data = said.topic, {"speaker": said.speaker.name.lower(), "dialogue": said.dialogue}
+        if said.seat:
+            data["seat"] = said.seat
         yield HuntEvent(seconds, "said", number_of(topic.robot), topic.room.people, said.text, data)
     for refusal in record.refusals:
         yield HuntEvent(seconds, "refused", text=refusal.refused.sentence)

@@ -8,6 +8,7 @@ import numpy as np
 
 from sim.common.robot_numbers import number_of
 from thbridge.api.snapshot import Booleans, Floats, Integers
+from thbridge.roles.shared.team_notices import DecisionView
 from thbridge.roles.shared.view import View
 
 
@@ -43,6 +44,33 @@ class HuntAgreement:
     robot: int
     matter: str
     room: int
+
+
+@dataclass(frozen=True, slots=True)
+class HuntVote:
+    """Open vote of the participants on a decision, in a game with several seats.
+
+    Attributes:
+        decision: number of the decision, from 1.
+        seat: seat of the participant who proposed it, and so agrees.
+        kind: "send" (send a robot to a room), "name" (name a treasure) or "end" (end the game).
+        robot: number of the robot that is sent; None for other kinds.
+        room: number of the destination, or of the treasure's room; None for the end of the game.
+        name: proposed name of the treasure; empty for other kinds.
+        needs: number of participants who must agree.
+        agree: seats whose participants agree.
+        disagree: seats whose participants do not agree.
+    """
+
+    decision: int
+    seat: str
+    kind: str
+    robot: int | None
+    room: int | None
+    name: str
+    needs: int
+    agree: tuple[str, ...]
+    disagree: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -135,8 +163,40 @@ class HuntView:
         """Agreements that the participant has not carried out yet."""
         return tuple(HuntAgreement(number_of(each.robot), each.matter, each.room) for each in self._view.consents)
 
+    @cached_property
+    def commanded(self) -> Booleans:
+        """(n,) True for each robot that this participant commands now."""
+        return np.array([not robot.has_other_commander for robot in self._view.robots], dtype=np.bool_)
+
+    @property
+    def asked_for(self) -> Mapping[int, str]:
+        """Robots of this participant that another seat asks for, by number, with the name of that seat."""
+        asked = () if self._view.team is None else self._view.team.asked_for
+        return {number_of(robot): seat for robot, seat in asked}
+
+    @property
+    def votes(self) -> tuple[HuntVote, ...]:
+        """Open votes on decisions of the team, oldest first."""
+        team = self._view.team
+        return () if team is None else tuple(map(_vote_of, team.decisions))
+
     def __repr__(self) -> str:
         return f"<HuntView score {self.score}, {int(self.visited.sum())} rooms visited, over: {self.over}>"
+
+
+def _vote_of(vote: DecisionView) -> HuntVote:
+    agree = [vote.seat, *(each.seat for each in vote.votes if each.agrees)]
+    return HuntVote(
+        decision=vote.decision,
+        seat=vote.seat,
+        kind=vote.kind,
+        robot=None if vote.robot is None else number_of(vote.robot),
+        room=vote.room,
+        name=vote.name,
+        needs=vote.needs,
+        agree=tuple(agree),
+        disagree=tuple(each.seat for each in vote.votes if not each.agrees),
+    )
 
 
 def view_of(view: View) -> HuntView:

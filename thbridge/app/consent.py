@@ -1,6 +1,6 @@
 """Request for consent, which the participant's program gets before a session runs and is recorded."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.app.compose.robots import build_simr
@@ -47,17 +47,23 @@ class ConsentDesk:
     The session receives all input as inputs of its first tick, so the consent is its first record. After the answer,
     the desk only passes calls to the session's router. `RouterInterface` describes the methods.
 
+    In a game with several seats, the desk waits for the answers of all given programs. If one participant declines, the
+    session does not start.
+
     Args:
         router: router of a session that runs no ticks before the answer.
-        introduction: messages to the program of a participant who joins.
+        introductions: messages to the program of a participant who joins, by the program's name.
 
     Attributes:
         status: state of consent.
     """
 
-    def __init__(self, router: RouterInterface, introduction: Sequence[TextMessage]) -> None:
+    def __init__(self, router: RouterInterface, introductions: Mapping[str, Sequence[TextMessage]]) -> None:
         self._router = router
-        self._introduction = tuple(introduction)
+        self._introductions = introductions
+        # The one participant of a game without seats may have any program.
+        self._has_seats = legacy.TABUI not in introductions
+        self._awaited = {*introductions}
         self.status = ConsentStatus.AWAITED
 
     def make_room(self, now: float) -> Sequence[RouterOutput]:
@@ -76,9 +82,9 @@ class ConsentDesk:
             if self.status is not ConsentStatus.AWAITED:
                 break
             match output:
-                case ClientJoined(_, legacy.TABUI, extended=False):
+                case ClientJoined(_, legacy.TABUI, extended=False) if not self._has_seats:
                     self.status = ConsentStatus.NOT_ASKED
-                case Forwarded(message, True, sender_extended=True) if _is_of_a_participant(message):
+                case Forwarded(message, True, sender_extended=True) if self._is_asked(message):
                     replies += [SendToClient(connection, encode_line(line.line())) for line in self._answer(message)]
         return [*outputs, *replies]
 
@@ -106,36 +112,50 @@ class ConsentDesk:
         """Process a message to the keeper, and return the messages to the sender."""
         match _ANSWERS.read(message):
             case GiveConsent():
-                self.status = ConsentStatus.GIVEN
+                self._awaited.discard(self._asked(message))
+                if not self._awaited:
+                    self.status = ConsentStatus.GIVEN
             case DeclineConsent():
                 self.status = ConsentStatus.DECLINED
             case ParticipantReady():
-                return self._introduction
+                return self._introductions[self._asked(message)]
         return ()
 
+    def _is_asked(self, message: TextMessage) -> bool:
+        """Return True for a message to the keeper of a program whose participant is asked."""
+        return message.receiver == KEEPER and self._asked(message) in self._introductions
 
-def _is_of_a_participant(message: TextMessage) -> bool:
-    return message.receiver == KEEPER and message.sender not in (legacy.SIMR, legacy.HIDER)
+    def _asked(self, message: TextMessage) -> str:
+        """Return the name under which the sender's participant is asked."""
+        if self._has_seats or message.sender in (legacy.SIMR, legacy.HIDER):
+            return message.sender
+        return legacy.TABUI
 
 
-def introduction(setting: StudySetting) -> list[TextMessage]:
-    """Return the messages to a participant who has not agreed yet: the floor plan, and a view with the consent text.
+def introductions(setting: StudySetting, programs: Iterable[str]) -> dict[str, list[TextMessage]]:
+    """Return the messages to participants who have not agreed yet: the floor plan, and a view with the consent text.
 
     The messages are made by a separate session with the same robots, to which no program connects.
+
+    Args:
+        setting: the study.
+        programs: names of the participants' programs.
+
+    Returns:
+        The messages by program.
     """
-    newcomer = _Newcomer()
-    session = open_session(setting, Programs(robots=build_simr(setting), participant=newcomer))
-    while not newcomer.has_view and session.tick < TICKS_PER_SECOND:
+    newcomers = [_Newcomer(name) for name in sorted(programs)]
+    session = open_session(setting, Programs(robots=build_simr(setting), participants=tuple(newcomers)))
+    while not all(newcomer.has_view for newcomer in newcomers) and session.tick < TICKS_PER_SECOND:
         session.step()
-    return newcomer.received
+    return {newcomer.name: newcomer.received for newcomer in newcomers}
 
 
 class _Newcomer:
     """Participant who joins, but sends no other messages."""
 
-    name = legacy.TABUI
-
-    def __init__(self) -> None:
+    def __init__(self, name: str) -> None:
+        self.name = name
         self.received: list[TextMessage] = []
         self.has_view = False
         self._introduce = False

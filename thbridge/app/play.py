@@ -15,7 +15,7 @@ from thbridge.app.compose.recording import build_publisher, build_record, build_
 from thbridge.app.compose.robots import build_team, rehearse
 from thbridge.app.compose.session import SessionRecording, build_programs, open_session
 from thbridge.app.compose.setting import StudySetting
-from thbridge.app.consent import ConsentDesk, ParticipantDeclined, introduction
+from thbridge.app.consent import ConsentDesk, ParticipantDeclined, introductions
 from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress, listeners
 from thbridge.app.run_statistics import RobotStatistics, RunStatistics
 from thbridge.app.session.giving import give
@@ -41,6 +41,7 @@ from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, tlog_of
 from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.roles.participant.tabui import TabUI
+from thbridge.roles.shared.seat_programs import programs_of
 from thbridge.ros.names import GRAPH_LINK
 from thbridge.rosgraph.sockets.joining import GraphAddress
 from thbridge.sockets.addresses import ListeningAddress
@@ -189,7 +190,7 @@ class PlayOptions:
 
 async def play(
     setting: StudySetting,
-    participant: TabUI | None,
+    participants: Sequence[TabUI],
     options: PlayOptions,
     ready: Callable[[ListeningAddress | CannotListen], None],
     progress: Callable[[TickRecord], None],
@@ -199,9 +200,9 @@ async def play(
 
     Args:
         setting: the study.
-        participant: the participant's role. If None, another program has this role; see also `options.outside`. If
-            the study requires consent, this program is asked first. Before the answer, no tick is run, and no file is
-            written.
+        participants: roles of participants in this process. Other programs have the other seats; see also
+            `options.outside`. If the study requires consent, these programs are asked first. Before their answers, no
+            tick is run, and no file is written.
         options: options of the hunt.
         ready: callback with the address of the text server, or the reason why it cannot listen.
         progress: callback with each tick.
@@ -217,7 +218,7 @@ async def play(
         links = await _links(options.mavlink, opened, callbacks)
         if options.rate > 0.0:
             rehearse(setting)
-        hunt = _Hunt(setting, participant, options, links, ready)
+        hunt = _Hunt(setting, participants, options, links, ready)
         await hunt.agree(opened)
         await hunt.record(opened, callbacks)
         went_on = await hunt.go_on(progress)
@@ -233,7 +234,7 @@ class _Hunt:
 
     Args:
         setting: as in `play`.
-        participant: as in `play`.
+        participants: as in `play`.
         options: as in `play`.
         links: MAVLink server with open ports, and the names of the ports.
         ready: as in `play`.
@@ -245,14 +246,14 @@ class _Hunt:
     def __init__(
         self,
         setting: StudySetting,
-        participant: TabUI | None,
+        participants: Sequence[TabUI],
         options: PlayOptions,
         links: tuple[MavlinkServer, list[str]] | None,
         ready: Callable[[ListeningAddress | CannotListen], None],
     ) -> None:
         self._setting, self._options, self._links, self._ready = setting, options, links, ready
         self._team = build_team(setting)
-        self._programs = build_programs(setting, participant, options.outside, self._team)
+        self._programs = build_programs(setting, participants, options.outside, self._team)
         self.pacer = Pacer(options.rate, pause_abandoned=options.left)
         self._server = TextServer(admission=Admission.to(setting.study.open_to), keys=options.keys)
         outlets = SessionOutlets(self._server.perform)
@@ -264,8 +265,9 @@ class _Hunt:
         recording = SessionRecording([self._recording], self._recording, run)
         self._session = open_session(setting, self._programs, recording, outlets)
         self._graph = _GraphStation(self._session)
-        asks = setting.consent and self._programs.participant is None
-        self._desk = ConsentDesk(self._session.router, introduction(setting)) if asks else None
+        absent = {*programs_of(seat.name for seat in setting.study.seats)} - {*self._programs.names}
+        asks = setting.consent is not None and bool(absent)
+        self._desk = ConsentDesk(self._session.router, introductions(setting, absent)) if asks else None
         self._inputs: InputLog | None = None
         self._journals: JournalStore | None = None
         self._bags: list[BagWriter] = []
@@ -291,7 +293,7 @@ class _Hunt:
         setting, options, session = self._setting, self._options, self._session
         publisher = build_publisher(setting)
         has_vehicles = setting.study.mavlink.on
-        who = options.participant if self._programs.participant is not None else ""
+        who = options.participant if self._programs.participants else ""
         opening = build_record(setting, PLAY, self._programs.names, who)
         audience = await opened.enter_async_context(
             listeners(
@@ -369,7 +371,7 @@ class _Hunt:
         def tick() -> bool:
             if waiting[0].tick == session.tick:
                 for item in waiting.popleft().inputs:
-                    give(session, None, item)
+                    give(session, {}, item)
             progress(self._step())
             self._ending.reached(session)
             return bool(waiting)
@@ -413,8 +415,8 @@ class _Hunt:
     def _tick(self, progress: Callable[[TickRecord], None]) -> bool:
         now = self._step()
         # Refusals to a participant in this process are not logged, because the window or terminal shows them.
-        inside = self._programs.participant
-        refusals = (each for each in now.refusals if inside is None or each.program != inside.name)
+        inside = {role.name for role in self._programs.participants}
+        refusals = (each for each in now.refusals if each.program not in inside)
         self._troubles.note(refusals, now.utterances)
         self._server.note_game(*self._session.game_name)
         progress(now)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from sim.parameters import param
 from thbridge.app.compose.setting import StudySetting
-from thbridge.batch.measures import MEASURES
+from thbridge.batch.measures import MEASURES, SEAT_MEASURES
 from thbridge.batch.results import OWN_COLUMNS, FactorColumns
 from thbridge.batch.settings import SettingCache
 from thbridge.files.disk.text_files import read_text
@@ -52,7 +52,11 @@ class SweepFile:
         None, "list of random seeds, instead of replicates and first_seed", "", 0, LARGEST_SEED
     )
     max_seconds: float = param(AN_HOUR, "simulated time after which an unfinished game stops", "s", 1, 1e6)
-    measures: tuple[str, ...] = param(MEASURES, "measures of each game in the results", choices=MEASURES)
+    measures: tuple[str, ...] = param(
+        tuple(measure for measure in MEASURES if measure not in SEAT_MEASURES),
+        f"measures of each game in the results; games with several seats also have {', '.join(SEAT_MEASURES)}",
+        choices=MEASURES,
+    )
     bags: str = param("no", "games that are recorded in a bag: no, yes, or for example `1 in 50`")
     verify: int = param(
         100, "repeat one game in N on another worker, and compare the results; 0: no repetitions", "", 0

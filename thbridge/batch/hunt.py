@@ -3,7 +3,7 @@ same game."""
 
 from collections.abc import Sequence
 
-from thbridge.app.compose.game import build_bot
+from thbridge.app.compose.game import build_participants
 from thbridge.app.compose.recording import build_record, build_recorder, message_filter
 from thbridge.app.compose.session import SessionRecording, build_programs, open_session
 from thbridge.app.compose.setting import StudySetting
@@ -13,7 +13,7 @@ from thbridge.app.session.broadcast import Listener
 from thbridge.app.session.session import TickRecorder
 from thbridge.batch.measures import GameMeasures, GameObserver
 from thbridge.recording.digest import MessageDigest
-from thbridge.roles.participant.tabui import TabUI
+from thbridge.roles.shared.role import Role
 from thbridge.ros.topics import RosMessage
 from thbridge.study.study_file import RecordingSection
 
@@ -23,18 +23,20 @@ def play_hunt(
     max_seconds: float,
     listeners: Sequence[Listener] = (),
     recorders: Sequence[TickRecorder] = (),
+    participants: Sequence[Role] | None = None,
 ) -> GameMeasures:
-    """Play a complete game with the study's simulated participant.
+    """Play a complete game with the study's simulated participants.
 
     Args:
         setting: the study with its files.
         max_seconds: simulated time after which an unfinished game stops.
         listeners: objects that receive all messages of the session. Without listeners, no messages are created.
         recorders: objects that receive every tick.
+        participants: the participants. If None, a simulated participant plays in each seat.
     """
     study, observer, statistics = setting.study, GameObserver(), RunStatistics()
     who = study.participant
-    programs = build_programs(setting, TabUI(build_bot(setting.templates, who.strategy, study.seed, who.attitude)))
+    programs = build_programs(setting, build_participants(setting) if participants is None else participants)
     all_recorders: list[TickRecorder] = [observer, *recorders]
     if listeners:
         opening = build_record(setting, PLAY, programs.names, who.strategy)

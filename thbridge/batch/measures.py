@@ -13,6 +13,7 @@ from sim.team import TeamSnapshot
 from thbridge.app.play import HuntOutcome
 from thbridge.app.run_statistics import RobotStatistics
 from thbridge.app.session.session import TickRecord
+from thbridge.batch.seat_measures import SeatObserver, SeatStatistics
 from thbridge.dialogue.moves import Speaker
 
 
@@ -42,6 +43,12 @@ class GameMeasures:
         robot_utterances: number of sentences that robots said.
         person_utterances: number of replies of the participant.
         each_robot: figures of each robot.
+        votes: number of decisions on which participants of several seats voted.
+        agreement: share of these decisions that the participants accepted; None if there were none.
+        seconds_to_decide: mean simulated time from the proposal of a decision to the end of its vote, s; None if there
+            were none.
+        texts: number of texts between participants.
+        each_seat: figures of the participant of each seat; empty in a game with one participant.
     """
 
     score: int
@@ -65,8 +72,15 @@ class GameMeasures:
     robot_utterances: int
     person_utterances: int
     each_robot: tuple[RobotStatistics, ...]
+    votes: int = 0
+    agreement: float | None = None
+    seconds_to_decide: float | None = None
+    texts: int = 0
+    each_seat: tuple[SeatStatistics, ...] = ()
 
 
+SEAT_MEASURES = ("votes", "agreement", "seconds_to_decide", "texts", "each_seat")
+"""Measures of games with several seats. Designs must name them, so that sweeps of earlier releases can be resumed."""
 MEASURES = tuple(field.name for field in dataclasses.fields(GameMeasures))
 """Names of all measures."""
 
@@ -80,10 +94,12 @@ class GameObserver:
         self._said = dict.fromkeys(Speaker, 0)
         self._reached = self._refusals = 0
         self._failures: list[str] = []
+        self._seats = SeatObserver()
 
     def record(self, record: TickRecord) -> None:
         """Count the events of one tick."""
         self._refusals += len(record.refusals)
+        self._seats.record(record)
         for utterance in record.utterances:
             self._dialogues.add(utterance.dialogue)
             self._said[utterance.speaker] += 1
@@ -133,4 +149,9 @@ class GameObserver:
             robot_utterances=self._said[Speaker.ROBOT],
             person_utterances=self._said[Speaker.PERSON],
             each_robot=robots,
+            votes=self._seats.votes,
+            agreement=self._seats.agreement,
+            seconds_to_decide=self._seats.seconds_to_decide,
+            texts=sum(seat.texts for seat in self._seats.each_seat),
+            each_seat=self._seats.each_seat,
         )

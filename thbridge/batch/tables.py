@@ -53,7 +53,7 @@ def _games(folder: SweepFolder, chunk: GameChunk) -> pa.Table | None:
 
 
 def write_collected(table: pa.Table, path: Path, kind: TableFormat) -> None:
-    """Write a table. CSV files have blanks between the values of a list, and no measures of single robots.
+    """Write a table. CSV files have blanks between the values of a list, and no measures of single robots or seats.
 
     Raises:
         BadFile: the file cannot be written.

@@ -348,6 +348,7 @@ class DialogueUtterance:
         conversation: statements and beliefs of both sides after the utterance, if robots argue.
         fault: as in `Turn`.
         authored: request to another author of sentences, with its offer; None if there is no such author.
+        seat: seat of the participant who made the move; empty for robots, and in games with one participant.
     """
 
     dialogue: int
@@ -362,3 +363,4 @@ class DialogueUtterance:
     conversation: Conversation | None = None
     fault: str = ""
     authored: OfferedSentence | None = None
+    seat: str = ""

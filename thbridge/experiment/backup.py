@@ -10,6 +10,7 @@ from pathlib import Path
 
 from thbridge.experiment.export.manifest import known_exports
 from thbridge.experiment.folder import EXPORTS, RECORDINGS, STORE, ExperimentFolder
+from thbridge.experiment.groups import kept_groups
 from thbridge.experiment.store.event_log import copy_log, lock_log, read_log
 from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent
 from thbridge.files.disk.new_file import UNFINISHED, new_file
@@ -50,12 +51,13 @@ def back_up(study: ExperimentFolder, to: Path) -> tuple[str, ...]:
             copy_log(study.log, copy.log)
             copy.origins.add(study.root)
             study.add_withdrawn_to(copy)
-            people = {entry.event.participant for entry in _events(read_log(copy.log))}
+            entries = read_log(copy.log)
+            owners = {entry.event.participant for entry in _events(entries)} | kept_groups(entries)
             exports = {*known_exports(study), (study.root / EXPORTS).resolve()}
             without = {(study.root / STORE).resolve(), *exports}
             left_out = [*copy_folder(study.root, to, study.root.resolve(), without)]
             for folder in copy.recordings.iterdir() if copy.recordings.is_dir() else ():
-                if folder.is_dir() and folder.name not in people:
+                if folder.is_dir() and folder.name not in owners:
                     (Path.unlink if folder.is_symlink() else shutil.rmtree)(folder)
                     sync_folder(copy.recordings)
             return (*left_out, *missing_recordings(copy))

@@ -5,11 +5,14 @@ continues after the last event in the log.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import ResumeRule, StepKind
+from thbridge.experiment.groups import GROUP, GroupGame
+from thbridge.experiment.lobby import FormedGroup, WaitEnded
 from thbridge.experiment.progress import Progress, Run, resumes
 from thbridge.experiment.questionnaires.form import Form
 from thbridge.experiment.questionnaires.scoring import is_right
@@ -112,7 +115,7 @@ class Conductor:
         run = self.progress.runs[participant]
         if run.state is RunState.UNDER_WAY:
             data: dict[str, JsonValue] = {"outcome": RunState.COMPLETE, "code": _word(self._draw, 8)}
-            if (why := _too_slow(run, self._design.file.most_lag)) is not None:
+            if (why := _too_slow(run, self._design.file.most_lag) or self._incomplete(run)) is not None:
                 data["excluded"] = why
             self._append(EventKind.RUN_ENDED, "program", participant, data=data)
         return None
@@ -146,6 +149,93 @@ class Conductor:
             outcome = StepOutcome.FAILED
         self._end(participant, step, outcome)
         return outcome
+
+    def form_group(self, formed: FormedGroup, step: PlannedStep) -> GroupGame:
+        """Log that a group got its seats, all people at once. Return its game.
+
+        Args:
+            formed: the group.
+            step: step of the game, which is the same for all people.
+        """
+        people = list(formed.people.values())
+        known = {
+            taken.group
+            for person in people
+            for number, taken in self.progress.runs[person].seats.items()
+            if number < step.number
+        }
+        if self._design.file.lobby.same_group and known:
+            (group,) = known
+        else:
+            taken_ids = {group for group, _ in self.progress.groups}
+            while (group := f"{GROUP}{_word(self._draw, 5)}") in taken_ids:
+                pass
+        seats: dict[str, JsonValue] = {seat: str(holder) for seat, holder in formed.seats.items()}
+        self._append_all(
+            [
+                self._event_of_step(
+                    EventKind.GROUP_FORMED,
+                    "program",
+                    person,
+                    step,
+                    {"group": group, "seat": seat, "seats": seats, "waited_s": round(formed.waited[person], 3)},
+                )
+                for seat, person in formed.people.items()
+            ]
+        )
+        return self.progress.groups[group, step.number]
+
+    def change_seat(self, kind: EventKind, game: GroupGame, seat: str, simulated: float | None = None) -> GroupGame:
+        """Log that a person left a seat, that a program took it, or that the person resumed it. Return the game.
+
+        Args:
+            kind: `SEAT_LEFT`, `SEAT_FILLED` or `SEAT_RESUMED`.
+            game: game of the group.
+            seat: name of the seat.
+            simulated: simulated time of the game, s. If None, the time of the clocks applies.
+        """
+        clocks = self._clocks()
+        clocks = clocks if simulated is None else replace(clocks, simulated=simulated)
+        data: dict[str, JsonValue] = {"group": game.group, "seat": seat}
+        self._append_all([NewEvent(kind, "program", clocks, "", game.step, data=data)])
+        return self.progress.groups[game.group, game.step]
+
+    def end_group_game(self, game: GroupGame, data: Mapping[str, JsonValue]) -> None:
+        """Log the finished game of a group for each person who holds a seat, all people at once.
+
+        Args:
+            game: game of the group.
+            data: data of the `GAME_PLAYED` events.
+        """
+        seats = {person: seat for seat, person in game.people.items()}
+        runs = [self.progress.runs[person] for person in self.progress.groups[game.group, game.step].present]
+        self._append_all(
+            [
+                self._event_of_step(
+                    EventKind.GAME_PLAYED,
+                    "program",
+                    run.participant,
+                    run.plan[game.step - 1],
+                    {**data, "group": game.group, "seat": seats[run.participant]},
+                )
+                for run in runs
+                if run.state is RunState.UNDER_WAY
+            ]
+        )
+
+    def end_wait(self, participant: str, step: PlannedStep, outcome: WaitEnded) -> None:
+        """Log the end of a wait without a game: the step is skipped, or the run ends with a completion code."""
+        if outcome.is_skipped:
+            ended: dict[str, JsonValue] = {"outcome": str(StepOutcome.PASSED_OVER), "unmatched": True}
+            self._of_step(EventKind.STEP_ENDED, "program", participant, step, ended)
+            return
+        data: dict[str, JsonValue] = {
+            "outcome": RunState.COMPLETE,
+            "code": _word(self._draw, 8),
+            "excluded": f"{step.name} had no complete group after {outcome.waited:.0f} s",
+            "unmatched": True,
+        }
+        self._append(EventKind.RUN_ENDED, "program", participant, data=data)
 
     def leave(
         self,
@@ -221,31 +311,44 @@ class Conductor:
         asked = [right for right in judged if right is not None]
         return sum(asked) >= (len(asked) if step.entry.right is None else step.entry.right)
 
+    def _incomplete(self, run: Run) -> str | None:
+        """Return the reason not to count a run if one of its trials had a seat without a person, or None."""
+        if self._design.file.lobby.incomplete_counts:
+            return None
+        if (step := self.progress.incomplete_game(run.participant)) is not None:
+            return f"a seat of {step.name} was empty or was taken by a program"
+        missed = [step.name for step in run.plan if step.number in run.missed and step.entry.step is StepKind.TRIAL]
+        return f"{missed[0]} could not be played, because a person of the group had left" if missed else None
+
     def _end(self, participant: str, step: PlannedStep, outcome: StepOutcome) -> None:
         self._of_step(EventKind.STEP_ENDED, "program", participant, step, {"outcome": str(outcome)})
 
     def _of_step(
         self, kind: EventKind, actor: Actor, participant: str, step: PlannedStep, data: Mapping[str, JsonValue]
     ) -> LoggedEvent:
+        return self._append_all([self._event_of_step(kind, actor, participant, step, data)])
+
+    def _event_of_step(
+        self, kind: EventKind, actor: Actor, participant: str, step: PlannedStep, data: Mapping[str, JsonValue]
+    ) -> NewEvent:
         condition = "" if step.condition is None else self._design.conditions[step.condition].name
-        return self._append(kind, actor, participant, step.number, condition, data)
+        return NewEvent(kind, actor, self._clocks(), participant, step.number, condition, data=data)
 
     def _append(
-        self,
-        kind: EventKind,
-        actor: Actor,
-        participant: str,
-        step: int = 0,
-        condition: str = "",
-        data: Mapping[str, JsonValue] | None = None,
+        self, kind: EventKind, actor: Actor, participant: str, data: Mapping[str, JsonValue] | None = None
     ) -> LoggedEvent:
-        event = NewEvent(kind, actor, self._clocks(), participant, step, condition, data=data)
+        return self._append_all([NewEvent(kind, actor, self._clocks(), participant, data=data)])
+
+    def _append_all(self, events: Sequence[NewEvent]) -> LoggedEvent:
+        """Add events to the log, all or none of them. Return the last one."""
         # An event that is invalid at this point must not enter the log.
-        progress = self.progress.after([LoggedEvent(self.progress.sequence + 1, event)])
-        (logged,) = self._log.append([event])
+        numbered = [LoggedEvent(number, event) for number, event in enumerate(events, start=self.progress.sequence + 1)]
+        progress = self.progress.after(numbered)
+        logged = self._log.append(events)
         self.progress = progress
-        self._notify(logged)
-        return logged
+        for each in logged:
+            self._notify(each)
+        return logged[-1]
 
     def _notify(self, logged: LogEntry) -> None:
         if isinstance(logged, LoggedEvent):

@@ -10,9 +10,10 @@ from pathlib import Path
 
 from thbridge.experiment.allocation.places import NoPlace, Place
 from thbridge.experiment.design.experiment_file import ExperimentDesign
-from thbridge.experiment.design.plan import PlannedStep, plan_of, repeated_from
+from thbridge.experiment.design.plan import PlannedStep, plan_of, repeated_from, seats_of_game
 from thbridge.experiment.design.recruiting import Ending
 from thbridge.experiment.design.steps import Failed, ResumeRule, StepKind
+from thbridge.experiment.groups import CHANGES_GROUPS, BadSeat, GroupGame, GroupSeat, game_after
 from thbridge.experiment.questionnaires.form import Item
 from thbridge.experiment.store.events import (
     EventKind,
@@ -63,6 +64,9 @@ class Run:
             rehearsals and of earlier releases are not in this mapping.
         debriefs: debriefings shown after the run ended early, by their numbers in the plan. True if the person has read
             the debriefing.
+        seats: the person's seat in each game of several people, by the number of the game's step.
+        missed: numbers of the games that were skipped because a person of the group had left.
+        unmatched: True if the run ended because the person waited in vain for other people.
     """
 
     participant: str
@@ -95,6 +99,9 @@ class Run:
     lags: Mapping[int, float] = field(default_factory=dict)
     scores: Mapping[int, int] = field(default_factory=dict)
     debriefs: Mapping[int, bool] = field(default_factory=dict)
+    seats: Mapping[int, GroupSeat] = field(default_factory=dict)
+    missed: frozenset[int] = frozenset()
+    unmatched: bool = False
 
     @property
     def lag(self) -> float | None:
@@ -121,6 +128,8 @@ class Run:
         match self.state:
             case RunState.UNDER_WAY:
                 return None
+            case _ if self.unmatched:
+                return Ending.NO_GROUP
             case _ if self.code:
                 return Ending.COMPLETE
             case RunState.DECLINED:
@@ -168,12 +177,14 @@ class Progress:
         runs: run of each person, by the person's id.
         sequence: number of the last event.
         admits: False while admission is closed.
+        groups: games of several people, by the id of the group and the number of the step.
     """
 
     design: ExperimentDesign
     runs: Mapping[str, Run] = field(default_factory=dict)
     sequence: int = 0
     admits: bool = True
+    groups: Mapping[tuple[str, int], GroupGame] = field(default_factory=dict)
 
     @property
     def valid(self) -> frozenset[int]:
@@ -191,7 +202,8 @@ class Progress:
 
     def next_place(self) -> Place | NoPlace:
         """Return the place for the next person."""
-        place = self.design.allocation.next(self.valid, self.under_way)
+        grouped = {run.place.number for run in self.runs.values() if run.holds_place and run.seats}
+        place = self.design.allocation.next(self.valid, self.under_way, grouped)
         return place if self.admits or place is NoPlace.FULL else NoPlace.CLOSED
 
     def next_step(self, participant: str) -> PlannedStep | None:
@@ -245,7 +257,7 @@ class Progress:
         Raises:
             BadHistory: an event is not possible after the earlier events.
         """
-        runs, sequence, admits = dict(self.runs), self.sequence, self.admits
+        runs, sequence, admits, groups = dict(self.runs), self.sequence, self.admits, self.groups
         for entry in entries:
             sequence = entry.sequence
             if isinstance(entry, LoggedEvent):
@@ -253,9 +265,23 @@ class Progress:
                     admits = entry.event.kind == EventKind.ADMISSION_OPENED
                 try:
                     self._take(runs, entry.event)
-                except _CannotFollowError as fault:
+                    if entry.event.kind in CHANGES_GROUPS and (game := game_after(groups, entry.event)) is not None:
+                        groups = {**groups, (game.group, game.step): game}
+                except (_CannotFollowError, BadSeat) as fault:
                     raise BadHistory(self.design.path, str(fault)) from None
-        return dataclasses.replace(self, runs=runs, sequence=sequence, admits=admits)
+        return dataclasses.replace(self, runs=runs, sequence=sequence, admits=admits, groups=groups)
+
+    def group_game(self, participant: str, step: PlannedStep) -> GroupGame | None:
+        """Return the game of several people in which a person has a seat in a step, or None."""
+        taken = self.runs[participant].seats.get(step.number)
+        return None if taken is None else self.groups[taken.group, step.number]
+
+    def incomplete_game(self, participant: str) -> PlannedStep | None:
+        """Return the step of a person's first trial with an empty seat or a program in a seat, or None."""
+        run = self.runs[participant]
+        trials = (step for step in run.plan if step.entry.step is StepKind.TRIAL)
+        games = ((step, self.group_game(participant, step)) for step in trials)
+        return next((step for step, game in games if game is not None and game.incomplete), None)
 
     def _take(self, runs: dict[str, Run], event: NewEvent) -> None:
         data, person = event.data or {}, event.participant
@@ -305,6 +331,10 @@ class Progress:
             if event.condition and event.condition != condition:
                 problem = f"in step {event.step}, {run.participant} met {event.condition}"
                 raise _CannotFollowError(f"{problem}, which is now {condition or 'none'}")
+        if event.kind == EventKind.GROUP_FORMED:
+            seats, taken = seats_of_game(self.design, run.place, step), data["seats"]
+            if not isinstance(taken, dict) or tuple(taken) != seats:
+                raise _CannotFollowError(f"{step.name} had the seats {taken}, and has {', '.join(seats) or 'none'}")
         if "item" in data:
             form = self.design.forms.get(step.index)
             if form is not None and all(item.id != data["item"] for item in form.items):
@@ -337,14 +367,20 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
             score = data.get("score")
             scores = {**run.scores, event.step: score} if isinstance(score, int) else run.scores
             return dataclasses.replace(run, game=data, lags=lags, scores=scores)
+        case EventKind.GROUP_FORMED:
+            taken = GroupSeat(str(data["group"]), str(data["seat"]))
+            return dataclasses.replace(run, seats={**run.seats, event.step: taken})
         case EventKind.STEP_ENDED:
+            if data.get("unmatched") is True:
+                run = dataclasses.replace(run, missed=run.missed | {event.step})
             return _ended(run, event.step, StepOutcome(str(data["outcome"])))
         case EventKind.RUN_ENDED:
             state, reason = RunState(str(data["outcome"])), str(data.get("reason", ""))
             if "excluded" in data:
                 state, reason = RunState.EXCLUDED, str(data["excluded"])
             code, absent = str(data.get("code", "")), data.get("absent") is True
-            return dataclasses.replace(run, state=state, reason=reason, code=code, absent=absent)
+            unmatched = data.get("unmatched") is True
+            return dataclasses.replace(run, state=state, reason=reason, code=code, absent=absent, unmatched=unmatched)
         case EventKind.RECORDING_CUT_OFF | EventKind.GAME_BROKEN_OFF:
             return dataclasses.replace(run, cut_off=run.cut_off | {str(data["bag"])})
         case EventKind.MESSAGE_SENT:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import Progress
+from thbridge.experiment.progress import Progress, Run
 from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent, RunState
 from thbridge.recording.recordings import ACTIVE
 
@@ -19,6 +19,12 @@ def moved_aside(bag: Path) -> list[Path]:
     moved = re.compile(rf"{re.escape(bag.stem)}-[0-9]+(_[0-9]+)?{re.escape(bag.suffix)}({re.escape(ACTIVE)})?")
     there = bag.parent.iterdir() if bag.parent.is_dir() else ()
     return sorted(path for path in there if moved.fullmatch(path.name))
+
+
+def _run_of_group(progress: Progress, group: str) -> Run | None:
+    """Return the run of a person of a group whose folder has recordings, or None."""
+    people = (game.people.values() for (name, _), game in progress.groups.items() if name == group)
+    return next((progress.runs[person] for each in people for person in each if person in progress.runs), None)
 
 
 def told_leftovers(study: ExperimentFolder, progress: Progress, entries: Iterable[LogEntry]) -> Iterator[str]:
@@ -39,7 +45,7 @@ def told_leftovers(study: ExperimentFolder, progress: Progress, entries: Iterabl
     for path in sorted(study.recordings.glob("*/*")):
         name, match = path.relative_to(study.root).as_posix(), _STEP.fullmatch(path.name)
         person = path.parent.name
-        run = progress.runs.get(person)
+        run = progress.runs.get(person) or _run_of_group(progress, person)
         if match is None or run is None or _PART.sub("", name) in whole:
             continue
         kind = why.get((person, path.name)) or why.get((person, path.name.removesuffix(ACTIVE)))

@@ -14,7 +14,7 @@ from thbridge.batch.measures import GameMeasures
 from thbridge.batch.settings import SettingCache
 from thbridge.dialogue.moves import Speaker
 from thbridge.experiment.design.experiment_file import ExperimentDesign, drawn_seed, practice_seed
-from thbridge.experiment.design.plan import PlannedStep
+from thbridge.experiment.design.plan import PlannedStep, study_of_game
 from thbridge.experiment.design.practice import demands_of
 from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.progress import Run
@@ -30,9 +30,9 @@ def setting_of_trial(
     design: ExperimentDesign, settings: SettingCache, run: Run, step: PlannedStep
 ) -> StudySetting | None:
     """Return the setting of a trial. Return None for a practice game, which is not recorded."""
-    if step.condition is None or step.trial is None:
+    study = study_of_game(design, run.place, step)
+    if study is None or step.trial is None:
         return None
-    study = design.cells[run.place.cell].studies[step.condition]
     return settings.of(replace(study, seed=drawn_seed(design, step.trial)))
 
 
@@ -42,8 +42,9 @@ def setting_of_practice(design: ExperimentDesign, settings: SettingCache, run: R
     No trial has the seed of a practice game, so that people learn nothing about a trial. Consent and farewell texts are
     shown only in trials.
     """
-    first = design.orders[run.place.order][0] if step.condition is None else step.condition
-    study = design.practices[step.index][run.place.cell][first]
+    study = study_of_game(design, run.place, step)
+    if study is None:
+        raise ValueError(f"{step.name} is not a practice game")
     who = replace(study.participant, consent=None, farewell=None)
     seed = practice_seed(design, run.begun.get(step.number, 1))
     return settings.of(replace(study, seed=seed, participant=who))

@@ -5,6 +5,7 @@ removed when everything is deleted. If the program is killed, or a backup cannot
 study first finishes the withdrawal.
 """
 
+import itertools
 import mmap
 import re
 import shutil
@@ -19,6 +20,7 @@ from thbridge.experiment.design.recruiting import digest_of_code
 from thbridge.experiment.export.folder import clear_remains, remake_export
 from thbridge.experiment.export.manifest import exports_with, known_exports, last_event_of, missing_exports, people_of
 from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.groups import GROUP, withdrawn_groups
 from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.event_log import ExperimentLog, deleted_digests, read_log
 from thbridge.experiment.store.events import Clocks, LogEntry, LoggedEvent
@@ -42,7 +44,8 @@ class WithdrawalPlan:
     Attributes:
         withdrawal: the participant and their code.
         log_entries: number of entries of the log to delete.
-        recordings: number of the participant's files and their total size in bytes, by folder of recordings.
+        recordings: number of the files of the participant and of their groups, and their total size in bytes, by folder
+            of recordings.
         exports: exports that will be written again.
         backups: backups that will be updated.
         missing: original folders of exports and backups that no longer exist.
@@ -102,8 +105,9 @@ def plan_withdrawal(study: ExperimentFolder, design: ExperimentDesign, named: st
     if design.file.recruiting.codes is not None and participant in runs and runs[participant].external_id:
         link = digest_of_code(runs[participant].external_id).hex()
     recordings = {}
-    for folder in (study, *study.replaced()):
-        if (path := _recordings(folder, participant)) is not None and path.exists():
+    groups = sorted({taken.group for taken in runs[participant].seats.values()}) if participant in runs else []
+    for folder, owner in itertools.product((study, *study.replaced()), (participant, *groups)):
+        if (path := _recordings(folder, owner)) is not None and path.exists():
             sizes = [file.stat().st_size for file in path.rglob("*") if file.is_file()]
             recordings[path] = (len(sizes), sum(sizes))
     backups = study.backups_known.paths()
@@ -180,7 +184,8 @@ def finish_withdrawal(
     result.done.append(f"{study.log}: all events of {participant} were deleted.")
     entries = log.read()
     result.left += _named_elsewhere(entries, participant)
-    _delete_recordings(study, result)
+    _delete_recordings(study, participant, result)
+    _delete_recordings_of_groups(study, entries, result)
     # A killed restore may have left copies of the log.
     shutil.rmtree(study.restoring, ignore_errors=True)
     for old in study.replaced():
@@ -225,7 +230,8 @@ def _people_elsewhere(study: ExperimentFolder) -> Iterator[str]:
     backups = [ExperimentFolder(path) for path in study.backups_known.paths()]
     for folder in (study, *backups, *study.replaced()):
         if folder.recordings.is_dir():
-            yield from (path.name for path in folder.recordings.iterdir() if _ID.fullmatch(path.name))
+            names = (path.name for path in folder.recordings.iterdir() if _ID.fullmatch(path.name))
+            yield from (name for name in names if not name.startswith(GROUP))
     for folder in (*backups, *study.replaced()):
         try:
             events = [entry.event for entry in read_log(folder.log) if isinstance(entry, LoggedEvent)]
@@ -245,9 +251,16 @@ def _recordings(folder: ExperimentFolder, participant: str) -> Path | None:
     return None if fault_of_name(participant) else folder.recordings_of(participant)
 
 
-def _delete_recordings(folder: ExperimentFolder, result: Withdrawal) -> None:
+def _delete_recordings_of_groups(folder: ExperimentFolder, entries: Sequence[LogEntry], result: Withdrawal) -> None:
+    """Delete the recordings of games in which people who withdrew played with others."""
+    for group in sorted(withdrawn_groups(entries)):
+        _delete_recordings(folder, group, result)
+
+
+def _delete_recordings(folder: ExperimentFolder, owner: str, result: Withdrawal) -> None:
+    """Delete the recordings of a participant or group."""
     try:
-        recordings = _recordings(folder, result.participant)
+        recordings = _recordings(folder, owner)
         if recordings is None or not recordings.exists():
             return
         shutil.rmtree(recordings)
@@ -264,7 +277,7 @@ def _delete_recordings(folder: ExperimentFolder, result: Withdrawal) -> None:
 
 def _withdraw_from_replaced(old: ExperimentFolder, result: Withdrawal, clocks: Callable[[], Clocks]) -> None:
     """Delete a participant's data from files that a restore has replaced."""
-    _delete_recordings(old, result)
+    _delete_recordings(old, result.participant, result)
     if not old.log.exists():
         return
     try:
@@ -272,6 +285,7 @@ def _withdraw_from_replaced(old: ExperimentFolder, result: Withdrawal, clocks: C
             if sequences := sequences_of(log.read(), result.participant):
                 log.delete(sequences, clocks())
                 result.done.append(f"{old.log}: all events of {result.participant} were deleted.")
+            _delete_recordings_of_groups(old, log.read(), result)
     except BadFile as fault:
         if any(_names(path, result.participant) for path in old.log.parent.iterdir() if path.is_file()):
             result.failed.append(

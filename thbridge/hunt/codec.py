@@ -23,6 +23,8 @@ VERSION = 1
 
 _OF_A_KIND = frozenset(TreasureKind.__dataclass_fields__) - {"properties"}
 _OF_A_SENSED = frozenset(TreasureSensed.__struct_fields__) - {"properties"} | {"event"}
+_ONLY_WITH_SEATS = frozenset({"seat", "seats"})
+"""Fields that are omitted if they are empty."""
 TAKEN = _OF_A_KIND.union({"v", "event"}, *(event.__struct_fields__ for event in get_args(Event)))
 """Names that properties of treasures must not have: names of event fields, which are columns of tables, too."""
 
@@ -39,6 +41,8 @@ def to_json(event: JournalEntry) -> str:
             del fields["properties"]
         case GameStarted():
             fields["properties"] = [_without_words(each) for each in event.properties]
+    # Journals of games with one participant are the same as before there were seats.
+    fields = {name: value for name, value in fields.items() if value or name not in _ONLY_WITH_SEATS}
     return json.dumps({"v": VERSION, **fields}, separators=(",", ":"), allow_nan=False)
 
 
@@ -86,7 +90,7 @@ def treasure_of(fields: Mapping[str, object]) -> TreasureKind:
         raise ValueError(str(error)) from None
 
 
-def kind_of(event_class: type[Event]) -> str:
+def kind_of(event_class: type[JournalEntry]) -> str:
     """Return the kind of an event class in recordings: its kind in journals, with the hyphens removed."""
     return str(event_class.__struct_config__.tag).replace("-", "")
 

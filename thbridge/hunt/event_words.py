@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import TypeGuard, get_args
 
 from thbridge.hunt.codec import kind_of
-from thbridge.hunt.events import EndReason, Event, HandbackRequested
+from thbridge.hunt.events import EndReason, Event, HandbackRequested, TeamEntry
 from thbridge.hunt.treasures import name_in_words
 
 ENDS = {
@@ -14,7 +14,10 @@ ENDS = {
 }
 """Words for the reasons for the end of a game."""
 
-_KINDS = {kind_of(event): str(event.__struct_config__.tag).replace("-", " ") for event in get_args(Event)}
+_KINDS = {
+    kind_of(event): str(event.__struct_config__.tag).replace("-", " ")
+    for event in (*get_args(Event), *get_args(TeamEntry))
+}
 _WHOLE = {kind_of(HandbackRequested): "the participant asks for it"}
 """Texts for events whose only field is the robot."""
 _NOT_TOLD = frozenset({"v", "event", "robot", "room", "image"})

@@ -9,6 +9,7 @@ import msgspec
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.properties import OF_2016, Properties, TreasureProperty
 from thbridge.hunt.rooms import Room
+from thbridge.hunt.seats import Seat
 from thbridge.hunt.treasures import TreasureKind
 
 Number: TypeAlias = Annotated[float, msgspec.Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
@@ -40,15 +41,22 @@ class Commander(StrEnum):
     A ground station commands a robot until the station gives the robot back. A researcher or an external program
     commands a robot only while the robot drives to their goal or is driven by hand. Afterwards, the earlier commander
     commands the robot again.
+
+    Events never have the last value: in the view of a seat, it stands for the participants of the other seats.
     """
 
     PARTICIPANT = "participant"
     GROUND_STATION = "ground station"
     RESEARCHER = "researcher"
+    TEAMMATE = "teammate"
 
 
 class _Event(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="event"):
-    """Base class of events. The tag of an event class is its kind in journals and recordings."""
+    """Base class of events. The tag of an event class is its kind in journals and recordings.
+
+    In a game with seats, the field `seat` of an event names the seat that caused it. It is empty for events that no
+    participant caused, and in games without seats.
+    """
 
 
 class GameStarted(_Event, frozen=True, tag="started"):
@@ -64,6 +72,7 @@ class GameStarted(_Event, frozen=True, tag="started"):
         wrong_share: points that a wrong name costs, as a share of the treasure's points. In 2016, the share was 1.
         costs: energy of every move. The size of the matrix is the number of rooms plus 1.
         properties: properties of the treasures.
+        seats: the seats. Empty if the game has one participant.
 
     Raises:
         ValueError: the team has no robots, or a number is negative.
@@ -78,6 +87,7 @@ class GameStarted(_Event, frozen=True, tag="started"):
     wrong_share: Number
     costs: CostMatrix
     properties: tuple[TreasureProperty, ...] = OF_2016
+    seats: tuple[Seat, ...] = ()
 
     def __post_init__(self) -> None:
         if self.robots < 1:
@@ -101,6 +111,7 @@ class ConsentGiven(_Event, frozen=True, omit_defaults=True, tag="agreed"):
     """
 
     at: str = ""
+    seat: str = ""
 
 
 class RoomAdvised(_Event, frozen=True, tag="advised"):
@@ -131,6 +142,7 @@ class RobotDeparted(_Event, frozen=True, tag="departed"):
     robot: int
     room: Room
     cost: Number
+    seat: str = ""
 
 
 class RobotArrived(_Event, frozen=True, tag="arrived"):
@@ -156,6 +168,7 @@ class MoveFailed(_Event, frozen=True, tag="failed"):
     reason: str
     refund: Number
     at: Room
+    seat: str = ""
 
 
 class ConditionChanged(_Event, frozen=True, tag="reported"):
@@ -190,12 +203,14 @@ class CommanderChanged(_Event, frozen=True, tag="commanded"):
     robot: int
     by: Commander
     name: str
+    seat: str = ""
 
 
 class HandbackRequested(_Event, frozen=True, tag="asked-back"):
     """The participant asked the commander of a robot to give the robot back. The commander decides."""
 
     robot: int
+    seat: str = ""
 
 
 class TreasureSensed(_Event, frozen=True, tag="sensed"):
@@ -203,6 +218,7 @@ class TreasureSensed(_Event, frozen=True, tag="sensed"):
 
     room: Room
     properties: Properties
+    seat: str = ""
 
 
 class PropertyMeasured(_Event, frozen=True, tag="measured"):
@@ -213,6 +229,7 @@ class PropertyMeasured(_Event, frozen=True, tag="measured"):
     property: str
     value: str
     cost: Number
+    seat: str = ""
 
 
 class PropertyTold(_Event, frozen=True, tag="told"):
@@ -221,6 +238,7 @@ class PropertyTold(_Event, frozen=True, tag="told"):
     room: Room
     property: str
     value: str
+    seat: str = ""
 
 
 class TreasurePictured(_Event, frozen=True, tag="pictured"):
@@ -230,6 +248,7 @@ class TreasurePictured(_Event, frozen=True, tag="pictured"):
     robot: int
     image: str
     cost: Number
+    seat: str = ""
 
 
 class TreasureIdentified(_Event, frozen=True, tag="identified"):
@@ -248,18 +267,21 @@ class TreasureIdentified(_Event, frozen=True, tag="identified"):
     name: str | None
     points: int
     cost: Number
+    seat: str = ""
 
 
 class TreasureLeft(_Event, frozen=True, tag="left"):
     """The participant left the treasure in a room undecided."""
 
     room: Room
+    seat: str = ""
 
 
 class TreasureTakenUp(_Event, frozen=True, tag="taken-up"):
     """The participant returned to the treasure in a room that they had left undecided."""
 
     room: Room
+    seat: str = ""
 
 
 class GameEnded(_Event, frozen=True, tag="ended"):
@@ -267,6 +289,7 @@ class GameEnded(_Event, frozen=True, tag="ended"):
 
     reason: EndReason
     score: int
+    seat: str = ""
 
 
 class DialogueOpened(_Event, frozen=True, omit_defaults=True, tag="talk"):
@@ -297,6 +320,7 @@ class DialogueOpened(_Event, frozen=True, omit_defaults=True, tag="talk"):
     reason: str = ""
     confidence: Number | None = None
     name: str = ""
+    seat: str = ""
 
 
 class DialogueSaid(_Event, frozen=True, tag="said"):
@@ -317,6 +341,130 @@ class DialogueSaid(_Event, frozen=True, tag="said"):
     author: str
     move: str
     text: str
+    seat: str = ""
+
+
+class PersonSaid(_Event, frozen=True, tag="person-said"):
+    """A participant sent a text to the other participants. Only journals have this event.
+
+    Attributes:
+        line: number of the text in this game, from 1.
+        seat: seat of the author.
+        to: seat of the addressee; empty if the text is for all.
+        text: the text.
+        at: simulated time at which it was sent, s.
+        typing: time from the first key to sending, s.
+        number: number that the author's program gave the text; see `SayToPeople`.
+    """
+
+    line: int
+    seat: str
+    to: str
+    text: str
+    at: Number
+    typing: Number
+    number: int = 0
+
+
+class PersonRead(_Event, frozen=True, tag="person-read"):
+    """A participant's program showed texts of other participants. Only journals have this event.
+
+    Attributes:
+        line: number of the last text that was shown; all earlier texts for this seat were shown, too.
+        seat: seat of the reader.
+        at: simulated time, s.
+    """
+
+    line: int
+    seat: str
+    at: Number
+
+
+class SeatTaken(_Event, frozen=True, tag="seat-taken"):
+    """A participant joined with a program, or came back to it. Only journals have this event."""
+
+    seat: str
+    at: Number
+
+
+class SeatLeft(_Event, frozen=True, tag="seat-left"):
+    """A participant is away: all their programs were disconnected, or report it. Only journals have this event."""
+
+    seat: str
+    at: Number
+
+
+class DecisionKind(StrEnum):
+    """Kind of a decision that several participants may have to agree on."""
+
+    SEND = "send"
+    NAME = "name"
+    END = "end"
+
+
+class DecisionProposed(_Event, frozen=True, tag="proposed"):
+    """A participant proposed a decision on which several participants vote. Only journals have this event.
+
+    Attributes:
+        decision: number of the decision in this game, from 1.
+        seat: seat of the participant, who thereby agrees.
+        kind: kind of the decision.
+        robot: index of the robot that is sent; None for other kinds.
+        room: destination, or room of the treasure; None for the end of the game.
+        name: proposed name of the treasure; empty for other kinds.
+        needs: number of participants who must agree.
+        at: simulated time, s.
+    """
+
+    decision: int
+    seat: str
+    kind: DecisionKind
+    robot: int | None
+    room: Room | None
+    name: str
+    needs: int
+    at: Number
+
+
+class VoteCast(_Event, frozen=True, tag="voted"):
+    """A participant voted on a proposed decision. Only journals have this event.
+
+    Attributes:
+        decision: number of the decision.
+        seat: seat of the participant.
+        agrees: True if the participant agrees.
+        reason: their reason; empty if they gave none.
+        at: simulated time, s.
+    """
+
+    decision: int
+    seat: str
+    agrees: bool
+    reason: str
+    at: Number
+
+
+class DecisionOutcome(StrEnum):
+    """Outcome of a vote. A decision is void if it became impossible before all votes were cast."""
+
+    CARRIED = "carried"
+    REJECTED = "rejected"
+    EXPIRED = "expired"
+    VOID = "void"
+
+
+class DecisionSettled(_Event, frozen=True, tag="settled"):
+    """The vote on a decision ended. Only journals have this event.
+
+    Attributes:
+        decision: number of the decision.
+        outcome: outcome of the vote.
+        at: simulated time, s.
+    """
+
+    decision: int
+    outcome: DecisionOutcome
+    at: Number
 
 
 class KeyUsed(_Event, frozen=True, tag="key"):
@@ -355,5 +503,11 @@ Event = (
     | GameEnded
 )
 
-JournalEntry = Event | DialogueOpened | DialogueSaid | KeyUsed
-"""Entries of a journal: events of the game, dialogues, and uses of keys."""
+TeamEntry = SeatTaken | SeatLeft | PersonSaid | PersonRead | DecisionProposed | VoteCast | DecisionSettled
+"""Entries about the participants of a game with several seats: their presence, their texts, and their votes."""
+
+JournalOnly = DialogueOpened | DialogueSaid | TeamEntry | KeyUsed
+"""Entries of journals that do not change the state of a game."""
+
+JournalEntry = Event | JournalOnly
+"""Entries of a journal: events of the game, dialogues, texts and votes of participants, and uses of keys."""

@@ -16,6 +16,7 @@ States are structs of msgspec, because `replace` is 25 times as fast for structs
 """
 
 import math
+from collections.abc import Mapping
 from typing import TypeVar, assert_never
 
 import msgspec
@@ -48,13 +49,17 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.properties import Properties
 from thbridge.hunt.rooms import CORRIDOR, Room
+from thbridge.hunt.seats import Seat, commanding_seat, label_of, seat_named
 from thbridge.hunt.treasures import TreasureKind
 
 _Part = TypeVar("_Part")
 
 
 class CommandHolder(msgspec.Struct, frozen=True):
-    """Commander of a robot, and the commander's name. The participant has no name."""
+    """Commander of a robot, and the commander's name.
+
+    The name of a participant is the name of their seat; in a game with one participant, it is empty.
+    """
 
     by: Commander = Commander.PARTICIPANT
     name: str = ""
@@ -71,7 +76,10 @@ class RobotState(msgspec.Struct, frozen=True):
         condition: the last reported condition.
         holder: commander of the robot, also after the end of a researcher's intervention.
         intervention: the researcher who intervenes at present, or None.
-        asked_back: number of times that the participant asked the present commander to give the robot back.
+        seat: seat of the participant who commands the robot when no other party commands it.
+        asked_back: number of times that a participant asked the present commander to give the robot back.
+        asked_by: seat of the participant who asked last. Empty if no participant has asked, and in a game with one
+            participant.
         advice: number of the robot's latest advice in this game; 0 before the first advice.
         failure: reason for people why the last move did not reach its room; empty if it did.
         costs: energy to each place from the robot's present position, by the number for people; during a move, from the
@@ -85,7 +93,9 @@ class RobotState(msgspec.Struct, frozen=True):
     condition: Condition = Condition.WELL
     holder: CommandHolder = CommandHolder()
     intervention: CommandHolder | None = None
+    seat: str = ""
     asked_back: int = 0
+    asked_by: str = ""
     advice: int = 0
     failure: str = ""
     costs: tuple[float, ...] | None = None
@@ -150,8 +160,9 @@ class GameState(msgspec.Struct, frozen=True):
         rooms: rooms, by their number in the text protocol. To read a room, use the method `room`.
         score: total points of all named treasures.
         ended: the end of the game, or None.
-        agreed: True if the participant agreed to take part. Only studies with consent use this value.
-        agreed_at: date and time of the agreement; empty if unknown.
+        agreed: True if all participants agreed to take part. Only studies with consent use this value.
+        agreed_at: date and time of the last agreement; empty if unknown.
+        agreements: seats whose participants agreed, with date and time.
         by_position: True if the price of a move from outside the rooms depends on the robot's position. Then the
             matrix's row for the corridor is not used.
     """
@@ -164,7 +175,16 @@ class GameState(msgspec.Struct, frozen=True):
     ended: GameEnded | None = None
     agreed: bool = False
     agreed_at: str = ""
+    agreements: Mapping[str, str] = field(default_factory=dict)
     by_position: bool = False
+
+    def seat(self, name: str) -> Seat | None:
+        """Return the seat with this name, or None; see `seat_named`."""
+        return seat_named(self.started.seats, name)
+
+    def label_of(self, name: str) -> str:
+        """Return the words for the participant of the seat with this name in a sentence."""
+        return label_of(self.started.seats, name)
 
     def has_robot(self, robot: int) -> bool:
         """Return True if the team has a robot with this index."""
@@ -230,10 +250,13 @@ class GameState(msgspec.Struct, frozen=True):
 
 def begin(started: GameStarted) -> GameState:
     """Return the state directly after the start of a game."""
+    seats = (commanding_seat(started.seats, robot) for robot in range(started.robots))
     return GameState(
         started=started,
         treasures=None,
-        robots=(RobotState(CORRIDOR, started.energy),) * started.robots,
+        robots=tuple(
+            RobotState(CORRIDOR, started.energy, holder=CommandHolder(name=seat), seat=seat) for seat in seats
+        ),
         rooms=(RoomState(),) * len(started.costs.rooms),
     )
 
@@ -252,8 +275,10 @@ def apply(state: GameState, event: Event) -> GameState:
             if len(event.treasures) != len(state.rooms):
                 raise ValueError(f"{len(event.treasures)} treasures are hidden in {len(state.rooms)} rooms")
             return replace(state, treasures=event.treasures)
-        case ConsentGiven(at):
-            return replace(state, agreed=True, agreed_at=at)
+        case ConsentGiven(at, seat):
+            agreements = {**state.agreements, seat: at}
+            agreed = all(each.name in agreements for each in state.started.seats)
+            return replace(state, agreed=agreed, agreed_at=at, agreements=agreements)
         case RoomAdvised():
             _room(state, event.room)
             return _with_robot(state, event.robot, replace(_robot(state, event.robot), advice=event.advice))
@@ -286,16 +311,14 @@ def apply(state: GameState, event: Event) -> GameState:
         case CommanderChanged():
             robot = _robot(state, event.robot)
             command = CommandHolder(event.by, event.name)
-            return _with_robot(
-                state,
-                event.robot,
-                replace(robot, intervention=command, asked_back=0)
-                if event.by is Commander.RESEARCHER
-                else replace(robot, holder=command, intervention=None, asked_back=0),
-            )
+            robot = replace(robot, asked_back=0, asked_by="")
+            if event.by is Commander.RESEARCHER:
+                return _with_robot(state, event.robot, replace(robot, intervention=command))
+            seat = event.name if event.by is Commander.PARTICIPANT else robot.seat
+            return _with_robot(state, event.robot, replace(robot, holder=command, intervention=None, seat=seat))
         case HandbackRequested():
             robot = _robot(state, event.robot)
-            return _with_robot(state, event.robot, replace(robot, asked_back=robot.asked_back + 1))
+            return _with_robot(state, event.robot, replace(robot, asked_back=robot.asked_back + 1, asked_by=event.seat))
         case TreasureSensed():
             return _with_room(state, event.room, replace(_room(state, event.room), sensed=event.properties))
         case PropertyMeasured():

@@ -35,6 +35,7 @@ from thbridge.hunt.game import CommandHolder, GameState, apply
 from thbridge.hunt.properties import Properties, Teller, property_named
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
+from thbridge.hunt.seats import capitalized
 from thbridge.hunt.treasures import same_name
 
 MOST_ROBOTS = 250
@@ -60,6 +61,8 @@ class RuleReason(StrEnum):
     NOTHING_KNOWN = "nothing-known"
     ALREADY_DECIDED = "already-decided"
     UNKNOWN_PROPERTY = "unknown-property"
+    UNKNOWN_SEAT = "unknown-seat"
+    NOT_ALLOWED = "not-allowed"
 
 
 Ruling = tuple[Event, ...] | RequestRefused
@@ -94,14 +97,29 @@ def intervene(state: GameState, robot: int, researcher: str | None) -> Ruling:
     return () if same else (_intervenes(robot, researcher),)
 
 
-def request_handback(state: GameState, robot: int) -> Ruling:
-    """Ask another commander to give a robot back. If the participant commands the robot, there is no event."""
+def request_handback(state: GameState, robot: int, seat: str = "") -> Ruling:
+    """Ask another commander to give a robot to a seat. If this seat commands the robot, there is no event."""
     refused = _over(state)
     if refused:
         return refused
     if not state.has_robot(robot):
         return _no_robot(state, robot)
-    return () if state.robots[robot].command.by is Commander.PARTICIPANT else (HandbackRequested(robot),)
+    return () if state.robots[robot].command == CommandHolder(name=seat) else (HandbackRequested(robot),)
+
+
+def hand_over(state: GameState, robot: int, seat: str) -> Ruling:
+    """Make another seat the commander of a robot that a participant commands. A repeated request gives no event."""
+    refused = _over(state)
+    if refused:
+        return refused
+    if not state.has_robot(robot):
+        return _no_robot(state, robot)
+    to = state.seat(seat)
+    if to is None:
+        return RequestRefused(RuleReason.UNKNOWN_SEAT, "There is no such seat in this game.")
+    if not to.takes_over:
+        return RequestRefused(RuleReason.NOT_ALLOWED, f"{capitalized(to.label)} cannot take over robots.")
+    return commanded_by_other(state, robot, Commander.PARTICIPANT) or command(state, robot, CommandHolder(name=seat))
 
 
 def commanded_by_other(state: GameState, robot: int, asker: Commander) -> RequestRefused | None:
@@ -109,9 +127,19 @@ def commanded_by_other(state: GameState, robot: int, asker: Commander) -> Reques
     now = state.robots[robot].command
     if now.by is asker:
         return None
-    return RequestRefused(
-        RuleReason.COMMANDED, f"{_name(robot)} is commanded by {commander_name(now.by, now.name)} just now."
-    )
+    who = state.label_of(now.name) if now.by is Commander.PARTICIPANT else commander_name(now.by, now.name)
+    return RequestRefused(RuleReason.COMMANDED, f"{_name(robot)} is commanded by {who} just now.")
+
+
+def commanded_by_other_seat(state: GameState, robot: int, seat: str) -> RequestRefused | None:
+    """Return a refusal if a party other than the participant of a seat commands the robot, otherwise None."""
+    if not state.has_robot(robot):
+        return _no_robot(state, robot)
+    now = state.robots[robot].command
+    other = None if now.by is not Commander.PARTICIPANT or now.name == seat else state.seat(now.name)
+    if other is None:
+        return commanded_by_other(state, robot, Commander.PARTICIPANT)
+    return RequestRefused(RuleReason.COMMANDED, f"{_name(robot)} is commanded by {other.label} just now.")
 
 
 def unable(state: GameState, robot: int) -> RequestRefused | None:
@@ -131,6 +159,8 @@ def commander_name(by: Commander, name: str) -> str:
             return "the participant"
         case Commander.GROUND_STATION:
             return name or "a ground station"
+        case Commander.TEAMMATE:
+            return name
         case Commander.RESEARCHER:
             return "a researcher"
 
@@ -526,4 +556,4 @@ def _name(robot: int) -> str:
 
 
 def _capital(room: Room) -> str:
-    return str(room).capitalize()
+    return capitalized(str(room))

@@ -19,7 +19,7 @@ from thbridge.files.disk.regular_files import content_of
 from thbridge.files.disk.synced import make_folder, put_in_free_place
 from thbridge.files.errors import BadFile
 from thbridge.hunt.codec import from_json, to_json
-from thbridge.hunt.events import DialogueOpened, DialogueSaid, GameStarted, JournalEntry, KeyUsed
+from thbridge.hunt.events import DialogueOpened, GameStarted, JournalEntry, JournalOnly
 from thbridge.hunt.game import GameState, apply, begin
 from thbridge.recording.append import append_whole
 from thbridge.recording.checked_lines import DamagedLine, checked, has_sum, verified
@@ -88,7 +88,7 @@ def read_journal(path: Path) -> RecoveredGame:
             if isinstance(event, DialogueOpened):
                 if not (state.has_robot(event.robot) and state.has_room(event.room)):
                     raise ValueError(f"robot {event.robot} or {event.room} does not exist in this game")
-            elif not isinstance(event, DialogueSaid | KeyUsed):
+            elif not isinstance(event, JournalOnly):
                 state = apply(state, event)
         except ValueError as error:
             raise BadFile(path, str(error), _remedy(number), line=number) from None

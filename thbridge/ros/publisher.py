@@ -37,7 +37,9 @@ from thbridge.ros.messages.session_records import (
     HeldTurns,
     InputRecord,
     ScoreRecord,
+    SeatNotice,
     SessionRecord,
+    TeamEvent,
     UtteranceRecord,
 )
 from thbridge.ros.messages.stamps import stamp_ns
@@ -57,7 +59,9 @@ from thbridge.ros.topics import (
     SCORE,
     SEND_ROBOTS,
     SESSION,
+    SHOWN,
     SUCCESS,
+    TEAM,
     TEAM_TOPICS,
     TF,
     TF_STATIC,
@@ -312,6 +316,10 @@ def messages_of(stamp: int, tick: int, record: Record) -> Iterator[RosMessage]:
             yield RosMessage(DIALOGUE_STATES, stamp, pack.dialogue_state(tick, record))
         case HeldTurns(text):
             yield RosMessage(WIZARD, stamp, pack.string(text))
+        case TeamEvent(event):
+            yield RosMessage(TEAM, stamp, pack.game_event(tick, event))
+        case SeatNotice():
+            yield RosMessage(SHOWN, stamp, pack.seat_notice(tick, record))
         case SendRobots(line):
             yield RosMessage(SEND_ROBOTS, stamp, pack.string(line))
         case Success(line):

@@ -54,6 +54,8 @@ UTTERANCES = Topic(names.UTTERANCES, types.UTTERANCE)
 DIALOGUE_MOVES = Topic(names.DIALOGUE_MOVES, types.DIALOGUE_MOVE)
 DIALOGUE_STATES = Topic(names.DIALOGUE_STATES, types.DIALOGUE_STATE)
 WIZARD = Topic(names.WIZARD, types.STRING, latched=True)
+TEAM = Topic(names.TEAM, types.GAME_EVENT)
+SHOWN = Topic(names.SHOWN, types.SEAT_NOTICE)
 INPUTS = Topic(names.INPUTS, types.INPUT)
 THINGS = Topic(names.THINGS, types.MARKER_ARRAY, latched=True)
 ROSOUT = Topic(names.ROSOUT, types.LOG)
@@ -74,6 +76,8 @@ TEAM_TOPICS = (
     DIALOGUE_MOVES,
     DIALOGUE_STATES,
     WIZARD,
+    TEAM,
+    SHOWN,
     INPUTS,
     THINGS,
     ROSOUT,

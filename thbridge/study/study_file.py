@@ -44,6 +44,7 @@ from thbridge.study.noise import (
 )
 from thbridge.study.real_robots import FleetSection, faults_of_fleet
 from thbridge.study.robots_from import RobotsFrom
+from thbridge.study.seats import SeatEntry, TeamSection, faults_of_seats
 from thbridge.study.things import MishapEntry, ThingEntry, faults_of_mishaps, faults_of_things
 from thbridge.text_protocol.values.dialect import Dialect
 
@@ -351,6 +352,14 @@ class Study:
     participant: ParticipantSection = param(
         ParticipantSection(), "the participant: consent, display, and the strategy of a simulated participant"
     )
+    seats: tuple[SeatEntry, ...] = param(
+        (),
+        "seats of a game with 2 to 8 participants; if empty, the game has one participant; write each as a line "
+        "`- {key: value, ...}`",
+    )
+    team: TeamSection = param(
+        TeamSection(), "participants of a game with several seats: their texts to each other, and their votes"
+    )
     dialogue: DialogueSection = param(DialogueSection(), "dialogues between the robots and the participant")
     server: ServerSection = param(ServerSection(), "address and options of the text server")
     watch: WatchSection = param(WatchSection(), "watch port for researchers' windows")
@@ -558,6 +567,10 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
     yield from faults_of_mavlink(loaded, study.mavlink, study.robots)
     yield from faults_of_things(loaded, study.things)
     yield from faults_of_mishaps(loaded, study.mishaps, study.robots)
+    if study.seats and study.participant.robots is not None:
+        problem = "a game with seats has a fixed team, because each robot is in the `robots` of a seat"
+        yield loaded.fault("participant.robots", problem, "Delete the key")
+    yield from faults_of_seats(loaded, study.seats, study.robots, study.dialogue.condition)
     if not _surrounds_origin(study.world.footprint):
         problem = "the polygon of these corners does not contain the robot's center (0, 0)"
         yield loaded.fault("world.footprint", problem, "Write three or more corners in order around the center")

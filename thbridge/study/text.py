@@ -2,7 +2,7 @@
 
 import dataclasses
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import TYPE_CHECKING, cast, get_args, get_origin, get_type_hints
 
 from thbridge.files.yaml.declarations import allowed, sections_named_in
@@ -21,12 +21,18 @@ _HEAD = (
     f"# Exception: if `templates` is omitted, its value is {Study().templates}, the game of 2016.",
     "",
 )
+_SEATS = frozenset({"seats", "team"})
 _RESERVED = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
 
 
 def resolved(study: Study) -> str:
-    """Return the complete study as YAML, including defaults. If this text is read, the result is an equal study."""
-    return "\n".join(_lines(StudyFile.of(study), "", commented=False)) + "\n"
+    """Return the complete study as YAML, including defaults. If this text is read, the result is an equal study.
+
+    Sections about several seats are omitted for a game with one participant. So recordings and sweeps of such games
+    contain the same text as before there were seats.
+    """
+    omitted = _SEATS if not study.seats and study.team == STANDARD.team else frozenset[str]()
+    return "\n".join(_lines(StudyFile.of(study), "", commented=False, omitted=omitted)) + "\n"
 
 
 def commented_study() -> str:
@@ -34,11 +40,11 @@ def commented_study() -> str:
     return "\n".join([*_HEAD, *_lines(StudyFile.of(STANDARD), "", commented=True)]) + "\n"
 
 
-def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[str]:
+def _lines(section: "DataclassInstance", key: str, *, commented: bool, omitted: Collection[str] = ()) -> Iterator[str]:
     hints = cast(Mapping[str, object], get_type_hints(type(section)))
     for field in dataclasses.fields(section):
         place = f"{key}.{field.name}" if key else field.name
-        if place in SHOWN_ELSEWHERE:
+        if place in SHOWN_ELSEWHERE or place in omitted:
             continue
         value = cast(object, getattr(section, field.name))
         if field.name == sections_named_in(type(section)):
@@ -48,7 +54,7 @@ def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[
             like = cast("DataclassInstance", getattr(section, cast(str, field.metadata["like"])))
             lines = list(_entries(field.name, cast(Mapping[int, "DataclassInstance"], value), like))
         elif dataclasses.is_dataclass(value) and not isinstance(value, type):
-            inner = _lines(value, place, commented)
+            inner = _lines(value, place, commented=commented)
             lines = [f"{field.name}:", *(f"  {line}" if line else "" for line in inner)]
         elif value and isinstance(value, tuple) and dataclasses.is_dataclass(value[0]):
             lines = [f"{field.name}:", *(f"  - {as_yaml(item)}" for item in value)]

@@ -129,6 +129,14 @@ ParticipantName = Annotated[
         "participant, or an installed simulated participant with this NAME.",
     ),
 ]
+SeatName = Annotated[
+    str | None,
+    typer.Option(
+        "--seat",
+        metavar="NAME",
+        help="Seat that you take in a game with several participants; see `seats` in the study.",
+    ),
+]
 SimulatedParticipant = Annotated[
     str | None,
     typer.Option(

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from contextlib import nullcontext
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -29,6 +29,7 @@ from ui.command_line.options import (
     ProgressOption,
     Robots,
     RosOptions,
+    SeatName,
     Seed,
     StudyFile,
     WatchOptions,
@@ -36,6 +37,9 @@ from ui.command_line.options import (
 from ui.command_line.outputs import make_ready
 from ui.command_line.terminal import BAD_INPUT, DECLINED, FAILED, NOT_TAKING_PART, bad_input, fail, note, print_json
 from ui.windows.display import why_no_window
+
+if TYPE_CHECKING:
+    from thbridge.study.study_file import Study
 
 AN_HOUR = 3600.0
 
@@ -47,6 +51,7 @@ def play(
     map_name: MapName = None,
     headless: Annotated[bool, typer.Option(help="Run without a window even if a display is available.")] = False,
     participant: ParticipantName = None,
+    seat: SeatName = None,
     seed: Seed = None,
     language: LanguageOption = None,
     rate: Annotated[
@@ -69,7 +74,12 @@ def play(
         ),
     ] = None,
     outside: Annotated[
-        str, typer.Option(help="Roles that other programs play, for example `TabUI,Hider`.", metavar="ROLES")
+        str,
+        typer.Option(
+            help="Roles that other programs play, for example `TabUI,Hider`; in a game with several seats, for example "
+            "`TabUI-driver`.",
+            metavar="ROLES",
+        ),
     ] = "",
     port: Port = None,
     max_seconds: Annotated[
@@ -98,14 +108,19 @@ def play(
     The default study is `standard`; with --outside it is `original-2016`, the game of 2016.
 
     Other programs may connect to the TCP port, and replace the built-in programs for the roles that --outside names.
+    With --outside, a window opens only if --seat names your seat.
+
+    In a game with several seats, you take one seat, and simulated participants take the others.
     """
     from ui.first_start.bar import START_BAR, announce_start
 
-    windowed = participant is None and not (headless or as_json or outside) and why_no_window() is None
+    may_open = participant is None and not (headless or as_json) and (not outside or seat is not None)
+    windowed = may_open and why_no_window() is None
     announce_start(look.value if windowed else None)
 
     from sim.common.observations import TICK
     from thbridge.app import play as hunt
+    from thbridge.app.compose.game import build_participants
     from thbridge.app.consent import ParticipantDeclined
     from thbridge.app.play import HuntUnfinished, PlayOptions
     from thbridge.app.session.session import TickRecord
@@ -121,6 +136,7 @@ def play(
     from ui.command_line.outcome import show_outcome, usual_bag
     from ui.command_line.progress import shown_progress
     from ui.command_line.report import write_report
+    from ui.command_line.seats import person_seat
     from ui.command_line.settings import (
         changes_of,
         note_doubts,
@@ -137,7 +153,7 @@ def play(
     from ui.first_start.compiling import compile_ahead
     from ui.hosting.consent import ask_for_consent
     from ui.hosting.games import WindowGames, offer_of, play_in_window
-    from ui.hosting.players import player_of_bot, player_of_person
+    from ui.hosting.players import player_of_person, teammates_of
 
     files, assignments = changes_of(changes or [])
     # Other programs expect the game of 2016. Our own programs, if they run separately, expect it, too.
@@ -160,9 +176,14 @@ def play(
         fail(BAD_INPUT, f"{problem}. Start `simr --ros` with this study, and play with `simr --robots-from ros`.")
     setting = setting_of(study, study_file)
     note_doubts(setting)
-    others = _roles(outside)
+    others = _roles(outside, study)
     graph = graph_of(ros, study.open_to)
     who = participant or study.participant.strategy
+    if seat is not None and not (windowed or who == PERSON):
+        why = why_no_window() if may_open else None
+        problem = "no person plays with these options" if why is None else why.rstrip(".")
+        fail(BAD_INPUT, f"--seat: {problem}. Omit the option, or play in the terminal: --participant person.")
+    own_seat = person_seat(study, study_file, seat, others) if windowed or who == PERSON else ""
     ports = ports_of(study, study_file, mavlink.signing_key)
     people = windowed or bool(others) or who == PERSON or ports is not None
     limit = max_seconds or (math.inf if people else AN_HOUR)
@@ -174,20 +195,33 @@ def play(
     check_foxglove(watching.foxglove)
     if windowed:
         free = study_file is None and language is None and study.dialogue.language == STANDARD.dialogue.language
-        offered = offer_of(setting, given=robots is not None, languages=shipped_languages() if free else None)
+        languages = shipped_languages() if free else None
+        offered = offer_of(setting, given=robots is not None, languages=languages, seat=own_seat)
         options = PlayOptions(
-            pace, bag, frozenset(), "", limit, graph, watch=door, foxglove=watching.foxglove, mavlink=ports, keys=ring
+            pace,
+            bag,
+            others,
+            study.participant.strategy if own_seat else "",
+            limit,
+            graph,
+            watch=door,
+            foxglove=watching.foxglove,
+            mavlink=ports,
+            keys=ring,
         )
         compile_ahead(whole_hunt=True, look=look.value)
-        games = WindowGames(study, study_file, options, report_page is not False, callbacks)
+        games = WindowGames(study, study_file, options, report_page is not False, callbacks, own_seat)
         play_in_window(games, offered, ("--look", look.value))
         return
     if who == PERSON:
         START_BAR.close()  # The person types in the line that the bar occupies.
         text = None if legacy.TABUI in others else setting.consent
-        player = player_of_person(setting.texts, None if text is None else ask_for_consent(setting.texts, text))
+        agreed = None if text is None else ask_for_consent(setting.texts, text)
+        player = player_of_person(setting.texts, agreed, own_seat)
+        participants, typed = (player.tabui, *teammates_of(setting, own_seat)), player.typed
     else:
-        player = player_of_bot(who, setting.templates, study)
+        with bad_input():
+            participants, typed = build_participants(setting, participant), None
     path = bag or usual_bag(setting)
     make_ready(path)
 
@@ -222,10 +256,10 @@ def play(
             keys=ring,
             run=new_token(),
         )
-        program = hunt.play(setting, player.tabui, options, ready, follow, callbacks)
+        program = hunt.play(setting, participants, options, ready, follow, callbacks)
         shown = nullcontext(untold) if who == PERSON else shown_progress(progress, "play", beside_text=not as_json)
         with shown as tell:
-            outcome = run(program, player.typed)
+            outcome = run(program, typed)
     except ParticipantDeclined as declined:
         fail(DECLINED if declined.answered else FAILED, NOT_TAKING_PART)
     except HuntUnfinished as early:
@@ -244,12 +278,14 @@ def play(
         fail(FAILED, f"The game did not end within {limit:g} simulated seconds. Allow more time with --max-seconds.")
 
 
-def _roles(names: str) -> frozenset[str]:
+def _roles(names: str, study: "Study") -> frozenset[str]:
+    from thbridge.roles.shared.seat_programs import programs_of
     from thbridge.text_protocol.wire import legacy
 
     chosen = frozenset(name.strip() for name in names.split(",") if name.strip())
-    known = {legacy.TABUI, legacy.HIDER}
-    wrong = sorted(chosen - known)
+    known = [*programs_of(each.name for each in study.seats), legacy.HIDER]
+    wrong = sorted(chosen.difference(known))
     if wrong:
-        fail(BAD_INPUT, f"--outside: {wrong[0]} is not a role that other programs can play. Use TabUI or Hider.")
+        remedy = f"Use {', '.join(known[:-1])} or {known[-1]}"
+        fail(BAD_INPUT, f"--outside: {wrong[0]} is not a role that other programs can play. {remedy}.")
     return chosen

@@ -3,7 +3,7 @@
 import asyncio
 import dataclasses
 import secrets
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,8 +13,11 @@ from thbridge.app.consent import ParticipantDeclined
 from thbridge.app.listeners import StartupCallbacks
 from thbridge.app.play import HuntOutcome, HuntUnfinished, PlayOptions
 from thbridge.app.session.session import TickRecord
+from thbridge.hunt.seats import label_of
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
+from thbridge.study.seats import seats_of
 from thbridge.study.study_file import Study, with_team_size
 from ui.command_line.outcome import show_outcome, usual_bag
 from ui.command_line.outputs import make_ready
@@ -24,6 +27,7 @@ from ui.command_line.story import print_story
 from ui.command_line.terminal import DECLINED, FAILED, NOT_TAKING_PART, bad_input, fail, note
 from ui.first_start.compiling import compile_ahead
 from ui.hosting.lobby import Answer, GameVisit, PlayGame, host
+from ui.hosting.players import teammates_of
 from ui.hosting.window_process import WINDOW, WindowProcess
 from ui.model.lobby import LOBBY, Offer
 from ui.model.playing.rules_sheet import rules_lines
@@ -43,13 +47,14 @@ def practice_setting(game: StudySetting) -> StudySetting:
     return dataclasses.replace(own, templates=own.templates.answering_as(game.templates), texts=game.texts)
 
 
-def offer_of(setting: StudySetting, given: bool, languages: Mapping[str, str] | None = None) -> Offer:
+def offer_of(setting: StudySetting, given: bool, languages: Mapping[str, str] | None = None, seat: str = "") -> Offer:
     """Return the offer for the start page: texts, numbers of robots, rules of the game, and the text to agree to.
 
     Args:
         setting: setting of the game; `participant: robots` of its study gives the numbers of robots.
         given: True if an option sets the number of robots. This number is then the only choice.
         languages: languages that the participant may choose, by name. If None, the study determines the language.
+        seat: name of the participant's seat; empty in a game with one participant.
     """
     study = setting.study
     game, consent = study.game, setting.consent or ""
@@ -67,6 +72,10 @@ def offer_of(setting: StudySetting, given: bool, languages: Mapping[str, str] | 
     else:
         least, most = study.participant.robots
     usual = min(max(study.robots, least), most)
+    seats = seats_of(study.seats)
+    if seats:
+        others = setting.texts.listed(each.label for each in seats if each.name != seat)
+        rules = (setting.texts.text("pages.your_seat", seat=label_of(seats, seat), others=others), *rules)
     return Offer(setting.texts, least, most, usual, rules, consent, languages or {})
 
 
@@ -80,6 +89,8 @@ class WindowGames:
         options: options of a game; if its bag is None, the default path is used.
         report: True to write a report of each recording.
         hosts: callbacks that report the start of the ROS graph and of the ports for watching, MAVLink and Foxglove.
+        seat: name of the participant's seat; empty in a game with one participant. Other programs or simulated
+            participants take the other seats.
     """
 
     study: Study
@@ -87,6 +98,7 @@ class WindowGames:
     options: PlayOptions
     report: bool
     hosts: StartupCallbacks
+    seat: str = ""
 
     def setting(self, robots: int) -> StudySetting:
         """Return the study with this number of robots; end the program if the study does not allow this."""
@@ -96,7 +108,7 @@ class WindowGames:
         """Use another language from now on; return the offer in this language."""
         talk = dataclasses.replace(self.study.dialogue, language=language)
         self.study = dataclasses.replace(self.study, dialogue=talk)
-        return offer_of(self.setting(offer.usual), offer.least == offer.most, offer.languages)
+        return offer_of(self.setting(offer.usual), offer.least == offer.most, offer.languages, self.seat)
 
     def game(self, robots: int) -> PlayGame:
         """Return a game with this number of robots; the game is recorded."""
@@ -106,7 +118,7 @@ class WindowGames:
         async def play(visit: GameVisit) -> None:
             make_ready(bag)
             options = dataclasses.replace(self.options, bag=bag, left=visit.has_left, run=secrets.token_hex(8))
-            outcome = await self._played(setting, options, visit)
+            outcome = await self._played(setting, options, visit, teammates_of(setting, self.seat))
             if outcome is None:
                 return
             show_outcome(outcome)
@@ -127,6 +139,8 @@ class WindowGames:
                 graph=None,
                 watch=None,
                 foxglove=None,
+                outside=frozenset(),
+                participant="",
                 mavlink=None,
                 keys=None,
                 left=visit.has_left,
@@ -135,7 +149,9 @@ class WindowGames:
 
         return play
 
-    async def _played(self, setting: StudySetting, options: PlayOptions, visit: GameVisit) -> HuntOutcome | None:
+    async def _played(
+        self, setting: StudySetting, options: PlayOptions, visit: GameVisit, teammates: Sequence[TabUI] = ()
+    ) -> HuntOutcome | None:
         """Play a game; return None if the window was closed before the game began."""
 
         def ready(where: ListeningAddress | CannotListen) -> None:
@@ -152,7 +168,7 @@ class WindowGames:
         # Messages of the window are answered at any time, even during a game.
         await asyncio.to_thread(compile_ahead, whole_hunt=options.rate > 0.0)
         try:
-            return await hunt.play(setting, None, options, ready, story, self.hosts)
+            return await hunt.play(setting, teammates, options, ready, story, self.hosts)
         except ParticipantDeclined:
             if visit.ended is None:
                 raise  # Ctrl-C: the program ends.
@@ -172,7 +188,7 @@ def play_in_window(games: WindowGames, offer: Offer, arguments: tuple[str, ...] 
         arguments: arguments for the window's command line.
     """
     window = WindowProcess((*WINDOW, *arguments), LOBBY)
-    program = host(window, offer, secrets.token_hex(8), games.game, games.practice, games.speak)
+    program = host(window, offer, secrets.token_hex(8), games.game, games.practice, games.speak, games.seat)
     try:
         with bad_input(FAILED):
             answer = asyncio.run(program)

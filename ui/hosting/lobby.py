@@ -41,13 +41,15 @@ class GameVisit:
         token: secret by which the server recognizes the window.
         practice: True for the practice game.
         agreed_at: time of day at which the participant agreed to take part; empty if the study asks no such question.
+        seat: name of the participant's seat; empty in a game with one participant.
     """
 
-    def __init__(self, window: LobbyWindow, token: str, practice: bool, agreed_at: str) -> None:
+    def __init__(self, window: LobbyWindow, token: str, practice: bool, agreed_at: str, seat: str = "") -> None:
         self._window = window
         self._token = token
         self._practice = practice
         self._agreed_at = agreed_at
+        self._seat = seat
         self._joining: asyncio.Task[None] | None = None
         self.ended: Back | WindowClosed | None = None
         """Message with which the participant left; None while they are in the game."""
@@ -55,7 +57,7 @@ class GameVisit:
     def ready(self, where: ListeningAddress) -> None:
         """Make the window join the game at this address."""
         host = WILDCARD_ADDRESSES.get(where.host, where.host)
-        join = Join(host, where.port, self._token, self._practice, self._agreed_at)
+        join = Join(host, where.port, self._token, self._practice, self._agreed_at, self._seat)
         self._joining = asyncio.get_running_loop().create_task(self._window.send(join))
 
     def has_left(self) -> bool:
@@ -85,6 +87,7 @@ async def host(
     play: Callable[[int], PlayGame],
     practise: Callable[[], PlayGame],
     speak: Callable[[Offer, str], Offer] | None = None,
+    seat: str = "",
 ) -> Answer:
     """Play games until the participant closes the window. No game starts before the participant agrees to take part.
 
@@ -95,6 +98,7 @@ async def host(
         play: function that returns a game with a given number of robots.
         practise: function that returns the practice game.
         speak: function that returns an offer in another language, and plays later games in this language.
+        seat: name of the participant's seat; empty in a game with one participant.
 
     Returns:
         The participant's answer. The answer no is final, even if the window later sends other messages.
@@ -124,7 +128,7 @@ async def host(
                     continue
                 case Begin(robots) if offer.least <= robots <= offer.most:
                     await window.send(Preparing(offer.texts.text("pages.preparing", count=robots)))
-                    visit, game = GameVisit(window, token, practice=False, agreed_at=agreed_at), play(robots)
+                    visit, game = GameVisit(window, token, False, agreed_at, seat), play(robots)
                 case Practise():
                     await window.send(Preparing(offer.texts.text("pages.preparing_practice")))
                     visit, game = GameVisit(window, token, practice=True, agreed_at=""), practise()

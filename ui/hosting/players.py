@@ -3,13 +3,15 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from thbridge.app.compose.game import build_bot
+from thbridge.app.compose.game import build_bot, build_participants, seat_seed
+from thbridge.app.compose.setting import StudySetting
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.template_files import TemplateSet
 from thbridge.roles.participant.tabui import TabUI
+from thbridge.roles.shared.seat_programs import program_of
 from thbridge.roles.shared.view import GiveConsent
 from thbridge.study.study_file import Study
-from ui.command_line.terminal import show
+from ui.command_line.terminal import bad_input, show
 from ui.hosting.terminal_player import TerminalPlayer
 
 
@@ -26,20 +28,30 @@ class LocalPlayer:
     typed: Callable[[str], None] | None
 
 
-def player_of_bot(who: str, templates: TemplateSet, study: Study) -> LocalPlayer:
+def player_of_bot(who: str, templates: TemplateSet, study: Study, seat: str = "") -> LocalPlayer:
     """Return a simulated participant with the study's seed and attitude, and with the kinds of treasures."""
-    return LocalPlayer(TabUI(build_bot(templates, who, study.seed, study.participant.attitude)), None)
+    bot = build_bot(templates, who, seat_seed(study.seed, seat), study.participant.attitude)
+    return LocalPlayer(TabUI(bot, seat=seat), None)
 
 
-def player_of_person(texts: Texts, consent: GiveConsent | None = None) -> LocalPlayer:
+def teammates_of(setting: StudySetting, seat: str) -> tuple[TabUI, ...]:
+    """Return simulated participants for all seats except the one with this name."""
+    if not seat:
+        return ()
+    with bad_input():
+        return tuple(each for each in build_participants(setting) if each.name != program_of(seat))
+
+
+def player_of_person(texts: Texts, consent: GiveConsent | None = None, seat: str = "") -> LocalPlayer:
     """Return a player for a person at the keyboard.
 
     Args:
         texts: texts that are used until the game sends the texts of its language.
         consent: consent of a person who has already agreed to take part.
+        seat: name of the person's seat; empty in a game with one participant.
     """
     person = TerminalPlayer(show, lambda: tabui.room_names, lambda: tabui.texts or texts)
-    tabui = TabUI(person, consent=consent)
+    tabui = TabUI(person, consent=consent, seat=seat, talk=person.talk.hear)
 
     def typed(line: str) -> None:
         person.type(line)

@@ -12,13 +12,14 @@ from thbridge.hunt.properties import Teller, TreasureProperty, values_in_words
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import RoomNames
 from thbridge.hunt.treasures import name_in_words
-from thbridge.roles.shared.participant_rules import JudgedRequest, judge, revealed
+from thbridge.roles.shared.participant_rules import JudgedRequest, KeeperReason, judge, revealed
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     Consent,
     DialogueView,
     EndGame,
     GiveConsent,
+    HandOver,
     IdentifyTreasure,
     LastWords,
     LeaveTreasure,
@@ -41,6 +42,17 @@ from thbridge.roles.shared.view import (
     refusal_wishes,
 )
 from thbridge.timing.wall_clock import utc_now
+from ui.hosting.terminal_talk import TerminalTeamTalk
+from ui.hosting.terminal_team import (
+    allowed,
+    asked_for_news,
+    listed_takers,
+    taker_named,
+    vote_lines,
+    vote_news,
+    vote_typed,
+    why_not_ask_for,
+)
 from ui.model.consent_words import answer_in
 from ui.model.playing.keys import choice_keys
 from ui.model.playing.memory.history import spoken, stopped_words
@@ -48,6 +60,16 @@ from ui.model.playing.popups.dialogues import OVERRIDE
 from ui.model.playing.popups.game_over import ending_lines
 from ui.model.playing.possible import why_refused
 from ui.model.playing.rules_sheet import rules_of
+from ui.model.playing.seat_view import (
+    asker_of,
+    decisions,
+    is_own,
+    label_of,
+    may_name,
+    partner_of,
+    sees_energy,
+    sees_score,
+)
 from ui.model.playing.words import commander_in_words, outcome_of, verdict_words
 
 
@@ -62,16 +84,21 @@ class TerminalPlayer:
         rooms: function that returns the names of the map's rooms.
         texts: function that returns the texts of the game's language.
         declined: True if the person does not take part.
+        talk: texts between the people of a game with several participants.
     """
 
     show: Callable[[str], None]
     rooms: Callable[[], RoomNames]
     texts: Callable[[], Texts]
     declined: bool = False
+    talk: TerminalTeamTalk = field(init=False)
     _view: View | None = None
     _wanted: tuple[ParticipantRequest, ...] = ()
     _typed: ParticipantRequest | None = None
     _names: dict[int, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.talk = TerminalTeamTalk(self.show, self.texts)
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
         """Return the requests typed since the last call, and the requests that follow from agreements; see `Player`."""
@@ -79,10 +106,13 @@ class TerminalPlayer:
             before, self._view = self._view, view
             for line in Telling(self.texts(), self.rooms(), view, self._typed).changes(before):
                 self.show(line)
+            self.talk.see(before, view)
         wanted, self._wanted = self._wanted, ()
         self._typed = next(iter(wanted), self._typed)
         follow = [request for consent in view.consents if (request := self._follow(consent)) is not None]
         sense = [SenseTreasure(room.room) for room in view.rooms if room.undecided and not room.found]
+        if view.team is not None:
+            return (*wanted, *allowed(view, (*follow, *sense)), *self.talk.requests())
         return (*wanted, *follow, *sense)
 
     def type(self, line: str) -> None:
@@ -93,6 +123,8 @@ class TerminalPlayer:
             return
         if view.consent is not None:
             self._answer_consent(line)
+            return
+        if self.talk.type(unicodedata.normalize("NFC", line)):
             return
         telling = Telling(self.texts(), self.rooms(), view, self._typed)
         # Some keyboards and terminals send an accented letter as two characters.
@@ -107,6 +139,9 @@ class TerminalPlayer:
                     self.show(f"  {rule}")
             case [word] if self._means(word, "names"):
                 self.show(f"  {_listed(view)}" if view.names else telling.texts.text("terminal.no_names"))
+            case [word] if view.team is not None and self._means(word, "team"):
+                for person in self.talk.people(view):
+                    self.show(person)
             case [word] if self._means(word, "end"):
                 self._ask(view, EndGame(view.game))
             case [letter] if letter in (waiting := _letters(view)) or letter in ("c", "s"):
@@ -131,6 +166,10 @@ class TerminalPlayer:
                 self._take_up(view, int(room))
             case ["b", robot] if _is_number(robot):
                 self._ask(view, StopRobot(index_of(int(robot))))
+            case ["g", robot, *words] if _is_number(robot) and view.team is not None:
+                self._hand_over(view, index_of(int(robot)), " ".join(words))
+            case [word, *reason] if view.team is not None and (agrees := answer_in(self.texts(), word)) is not None:
+                self._vote(view, reason, agrees=agrees)
             case ["a", robot] if _is_number(robot):
                 self._ask_back(view, index_of(int(robot)))
             case [robot, "?"] if _is_number(robot):
@@ -139,6 +178,9 @@ class TerminalPlayer:
                 self._ask_to_go(telling, SelectRoom(index_of(int(robot)), int(room)))
             case _:
                 self.show(self.texts().text("terminal.help"))
+                if view.team is not None:
+                    self.show(self.texts().text("terminal.help_team"))
+                    self.show(self.texts().text("terminal.help_people"))
 
     def _means(self, typed: str, word: str) -> bool:
         """Return True for a command word, in the game's language or in English."""
@@ -239,10 +281,27 @@ class TerminalPlayer:
         asked = view.robots[robot] if 0 <= robot < len(view.robots) else None
         if asked is not None and not asked.has_other_commander:
             self.show(self.texts().text("hints.you_command", robot=robot))
+        elif asked is not None and (reason := why_not_ask_for(self.texts(), view, asked)):
+            self.show(reason)
         elif asked is not None and asked.asked_back:
             self.show(self.texts().text("hints.asked_already", robot=robot))
         else:
             self._ask(view, RequestHandback(robot))
+
+    def _hand_over(self, view: View, robot: int, typed: str) -> None:
+        taker = taker_named(view, typed)
+        if taker is None:
+            self.show(self.texts().text("terminal.takers", seats=listed_takers(view) or "–"))
+        else:
+            self._ask(view, HandOver(robot, taker.name))
+
+    def _vote(self, view: View, words: Sequence[str], *, agrees: bool) -> None:
+        """Vote on the first open decision or, if the first word is the number of a decision, on this decision."""
+        vote = vote_typed(view, words, agrees=agrees)
+        if vote is None:
+            self.show(self.texts().text("votes.none_open"))
+        else:
+            self._wanted = (vote,)
 
     def _leave(self, view: View, telling: "Telling", room: int) -> None:
         place = _visited(view, room)
@@ -344,7 +403,7 @@ class Telling:
             before = None
         if before is None or before.game != view.game:
             return [self.texts.text("terminal.game", number=view.game), *self.state()]
-        lines: list[str] = []
+        lines = [*vote_news(self.texts, before, view), *asked_for_news(self.texts, before, view)]
         for was, now in zip(before.robots, view.robots, strict=True):
             lines += self._robot_changes(was, now)
         for old, new in zip(before.rooms, view.rooms, strict=True):
@@ -358,10 +417,14 @@ class Telling:
             if words not in before.last_words:
                 lines += self._sentences(words, told.get(words.dialogue, 0))
                 lines += () if words.is_told else (outcome_of(self.texts, words),)
-        if view.refusal is not None and view.refusal != before.refusal:
+        # The result of a vote is among the news already.
+        voted = view.refusal is not None and view.refusal.reason == KeeperReason.NOT_AGREED_ON
+        if view.refusal is not None and view.refusal != before.refusal and not voted:
             lines.append(self._refused(view.refusal))
         if view.over is not None and before.over is None:
-            lines += [self.texts.text("terminal.over", score=view.score), *ending_lines(self.texts, view)]
+            over = self.texts.text("terminal.over", score=view.score)
+            lines.append(over if sees_score(view) else self.texts.text("seats.over"))
+            lines += ending_lines(self.texts, view)
         return lines
 
     def _refused(self, refusal: RefusalView) -> str:
@@ -374,6 +437,7 @@ class Telling:
         for robot in view.robots:
             driving = robot.moving_to is not None
             key = "terminal.under_way" if driving else "terminal.in_room"
+            key += "" if sees_energy(view) else "_only"
             room = self.room(robot.place if robot.moving_to is None else robot.moving_to)
             lines.append(self.texts.text(key, robot=robot.robot, energy=robot.energy, room=room))
             if robot.condition is not Condition.WELL:
@@ -382,9 +446,13 @@ class Telling:
                 lines.append(self.texts.text("history.blocked", robot=robot.robot))
             if robot.commander is not Commander.PARTICIPANT:
                 lines.append(self.texts.text("terminal.commanded", robot=robot.robot, commander=self._commander(robot)))
+            if asker := asker_of(view, robot.robot):
+                lines.append(self.texts.text("seats.wants", seat=label_of(view, asker), robot=robot.robot))
         lines += [self._found(room) for room in view.rooms if room.found and room.undecided]
         free = " ".join(self.rooms.numbered(room.room) for room in view.rooms if room.state == "unvisited")
+        lines += [line for each in decisions(view) for line in vote_lines(self.texts, view, each)]
         key = "terminal.not_visited" if free else "terminal.all_visited"
+        key += "" if sees_score(view) else "_only"
         lines.append(self.texts.text(key, rooms=free, score=view.score))
         return [*(f"  {line}" for line in lines), *(line for each in view.dialogues for line in self.again(each))]
 
@@ -416,21 +484,25 @@ class Telling:
         robot, lines = now.robot, []
         if now.moving_to is not None and was.moving_to != now.moving_to:
             goal = self.room(now.moving_to)
-            lines.append(self.texts.text("terminal.sets_out", robot=robot, energy=now.energy, room=goal))
+            key = "terminal.sets_out" if sees_energy(self.view) else "terminal.sets_out_only"
+            lines.append(self.texts.text(key, robot=robot, energy=now.energy, room=goal))
         if was.moving_to is not None and now.moving_to is None:
             arrived = now.place == was.moving_to
             here = self.texts.text("terminal.arrived", robot=robot, room=self.room(now.place))
-            lines.append(here if arrived else stopped_words(self.texts, was, now))
+            lines.append(here if arrived else stopped_words(self.texts, was, now, shows_energy=sees_energy(self.view)))
         if now.blocked and not was.blocked:
             lines.append(self.texts.text("history.blocked", robot=robot))
         if now.condition is not was.condition:
             lines.append(self.texts.text(f"terminal.{now.condition}", robot=robot))
         if (now.commander, now.commander_name) != (was.commander, was.commander_name):
             other = now.commander is not Commander.PARTICIPANT
-            key = "terminal.commanded_now" if other else "terminal.yours_again"
+            mates = was.commander is Commander.TEAMMATE
+            key = "terminal.commanded_now" if other else "seats.yours" if mates else "terminal.yours_again"
             lines.append(self.texts.text(key, robot=robot, commander=self._commander(now)))
         if now.asked_back and not was.asked_back:
-            lines.append(self.texts.text("terminal.asked_back", robot=robot, commander=self._commander(now)))
+            key = "seats.asked" if now.commander is Commander.TEAMMATE else "terminal.asked_back"
+            commander = self._commander(now)
+            lines.append(self.texts.text(key, robot=robot, commander=commander, seat=commander))
         return lines
 
     def _room_changes(self, old: RoomView, new: RoomView) -> list[str]:
@@ -442,7 +514,8 @@ class Telling:
         if new.picture is not None and old.picture is None:
             lines.append(self.pictured(new))
         if new.verdict is not None and old.verdict is None:
-            words = verdict_words(self.texts, self.view.word_for(new.verdict.name), new.verdict.points)
+            word, shows = self.view.word_for(new.verdict.name), sees_score(self.view)
+            words = verdict_words(self.texts, word, new.verdict.points, shows_points=shows)
             lines.append(self.texts.text("terminal.verdict", words=words, room=room))
         return lines
 
@@ -454,10 +527,11 @@ class Telling:
             if values
             else texts.text("terminal.found", room=place)
         )
+        sense_more = "terminal.sense_more" if sees_energy(self.view) else "terminal.sense_more_only"
         more = [
-            texts.text("terminal.sense_more", number=number, property=texts.noun(each.label), energy=each.cost)
+            texts.text(sense_more, number=number, property=texts.noun(each.label), energy=each.cost)
             for each in properties
-            if each.is_measured and each.name not in room.known
+            if each.is_measured and each.name not in room.known and self._commands(room)
         ]
         more += [
             texts.text(
@@ -467,9 +541,18 @@ class Telling:
                 values=", ".join(map(each.shown, each.values)),
             )
             for each in properties
-            if each.told_by is Teller.PERSON and room.picture is not None and each.name not in room.told
+            if each.told_by is Teller.PERSON
+            and room.picture is not None
+            and each.name not in room.told
+            and may_name(self.view)
         ]
-        return " ".join([seen, *more, texts.text("terminal.name_it", number=number)])
+        name = [texts.text("terminal.name_it", number=number)] if may_name(self.view) else []
+        return " ".join([seen, *more, *name])
+
+    def _commands(self, room: RoomView) -> bool:
+        """Return True if no teammate commands the robot in a room."""
+        robot = None if room.robot is None else self.view.robots[room.robot]
+        return robot is None or robot.commander is not Commander.TEAMMATE
 
     def _asked(self, dialogue: DialogueView, told: int = 0) -> list[str]:
         """Return lines about a dialogue that waits for an answer: sentences from number `told` on, and the choices.
@@ -478,6 +561,8 @@ class Telling:
         lines.
         """
         robot = dialogue.robot
+        if not is_own(self.view, robot, dialogue.matter):
+            return self._sentences(dialogue, told)
         if not dialogue.choices:
             return [self.texts.text("window.thinking", robot=robot)]
         if self.view.has_last_word is None:
@@ -496,6 +581,13 @@ class Telling:
 
     def _sentences(self, dialogue: DialogueView | LastWords, told: int) -> list[str]:
         """Return the sentences of a dialogue from number `told` on."""
-        who = {"robot": self.texts.text("window.robot", robot=dialogue.robot), "you": self.texts.text("window.you")}
-        said = spoken(dialogue)[told:]
+        own = is_own(self.view, dialogue.robot, dialogue.matter)
+        partner = partner_of(self.view, dialogue) if isinstance(dialogue, DialogueView) else ""
+        partner = partner or self.view.robots[dialogue.robot].commander_name
+        who = {
+            "robot": self.texts.text("window.robot", robot=dialogue.robot),
+            "you": self.texts.text("window.you"),
+            "teammate": self.texts.text("seats.teammate_to", seat=partner, robot=dialogue.robot),
+        }
+        said = spoken(dialogue, own=own)[told:]
         return [self.texts.text("window.said", who=who[speaker], words=sentence) for speaker, sentence in said]

@@ -50,6 +50,7 @@ class Join(msgspec.Struct, frozen=True, tag=True):
         token: secret by which the server recognizes this participant.
         practice: True for the practice game.
         agreed_at: date and time at which the participant gave consent; empty if the study did not ask for consent.
+        seat: name of the participant's seat; empty in a game with one participant.
     """
 
     host: str
@@ -57,6 +58,7 @@ class Join(msgspec.Struct, frozen=True, tag=True):
     token: str
     practice: bool
     agreed_at: str = ""
+    seat: str = ""
 
 
 class Thanks(msgspec.Struct, frozen=True, tag=True):

@@ -11,6 +11,7 @@ from sim.common.observations import TICK
 from thbridge.app.programs import exchange
 from thbridge.files.keys.key_file import ClientKey
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
+from thbridge.roles.shared.seat_programs import program_of
 from thbridge.roles.shared.view import GiveConsent, ParticipantRequest, View
 from thbridge.sockets.reconnecting import Backoff, ConnectionLost
 from thbridge.text_protocol.sockets.client import TextClient
@@ -60,6 +61,7 @@ class GameConnection:
         consent: consent of a participant who has already agreed. If None, the participant has not agreed or was not
             asked.
         key: key to show to the server; None for none.
+        seat: name of the person's seat; empty in a game with one participant.
 
     Raises:
         ValueError: the token is not one word.
@@ -67,6 +69,7 @@ class GameConnection:
     Attributes:
         requested: all open requests; each is sent again until it is granted.
         declined: True if the participant declines; this is sent first, even if the connection is stopped meanwhile.
+        present: False while the person is away from their front end; the others in a game with several seats see it.
     """
 
     def __init__(
@@ -77,20 +80,23 @@ class GameConnection:
         report: Callable[[ReceivedEvent], None],
         consent: GiveConsent | None = None,
         key: ClientKey | None = None,
+        seat: str = "",
     ) -> None:
-        self._client = TextClient(TabUI.name, token, host, port, RECONNECT_BACKOFF, key)
+        self._client = TextClient(program_of(seat), token, host, port, RECONNECT_BACKOFF, key)
         self._token = token
+        self._seat = seat
         self._consent = consent
         self._report_event = report
         self.requested: tuple[ParticipantRequest, ...] = ()
         self.declined = False
+        self.present = True
 
     async def run(self, stopped: Callable[[], bool], period: float = POLL_PERIOD) -> None:
         """Stay connected until `stopped` returns True; poll the connection after each `period` in seconds."""
         player = _FrontEndPlayer()
         # A window that is opened again after a crash has the same token; random numbers distinguish its requests from
         # earlier ones.
-        role = TabUI(player, self, self._consent, 1 + secrets.randbelow(_FIRST_NUMBERS))
+        role = TabUI(player, self, self._consent, 1 + secrets.randbelow(_FIRST_NUMBERS), self._seat)
         role.run = self._token
         runner = _ClockedRole(role, self._report)
         async with self._client.running():
@@ -99,6 +105,7 @@ class GameConnection:
                 is_last = stopped()
                 if self.declined:
                     role.decline()
+                role.present = self.present
                 if player.requested != self.requested:
                     player.requested = self.requested
                     role.poll_player()

@@ -19,7 +19,7 @@ from ui.model.playing.keys import act_for
 from ui.model.playing.memory.history import KeptLines
 from ui.model.playing.participant import ComposedScreen, Participant
 from ui.model.playing.practice import advice
-from ui.model.playing.screen import Act, DeclineConsentAct, GoOnFromGame, Phase, ShowSettings
+from ui.model.playing.screen import Act, DeclineConsentAct, GoOnFromGame, PeopleAct, Phase, ShowSettings
 from ui.sources.game import ReceivedEvent, ServerReached
 from ui.web.page.floor import floor_shapes
 from ui.web.page.game_page import BrowserPage, BrowserPageMaker
@@ -78,6 +78,7 @@ class SeatConnection(Protocol):
 
     requested: tuple[ParticipantRequest, ...]
     declined: bool
+    present: bool
 
     async def run(self, stopped: Callable[[], bool], period: float) -> None:
         """Stay connected until `stopped` returns True; poll the connection after each `period` in seconds."""
@@ -143,6 +144,10 @@ class GameSeat:
     def stop(self) -> None:
         """Leave the game."""
         self._stopped = True
+
+    def note_presence(self, *, present: bool) -> None:
+        """Note if the person is at their browser; the others in a game with several seats see it."""
+        self._connection.present = present
 
     def show_to(self, send: Callable[[dict[str, Json]], None] | None, *, again: bool = False) -> None:
         """Send all pages to this browser from now on, beginning with a complete page. If None, send no pages.
@@ -254,6 +259,10 @@ class GameSeat:
         return stream.seen if number not in stream.unseen else None
 
     def _do(self, stream: PageStream, act: Act, number: int, at: float, *, on_map: bool = False) -> None:
+        if isinstance(act, PeopleAct):
+            # A text counts on whatever page it was written, because no part of it may be lost.
+            self._model.do(act, self._clock())
+            return
         sent = self._sent(stream, number)
         if sent is None or sent.composed is None or not stream.guard.admits(act, at, on_map=on_map):
             return

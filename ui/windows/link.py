@@ -26,11 +26,12 @@ class ParticipantLink:
         token: str,
         consent: GiveConsent | None = None,
         key: ClientKey | None = None,
+        seat: str = "",
     ) -> None:
         # No lock is needed: appending to a deque, taking from it, and replacing a tuple are single steps of the
         # interpreter.
         self._events: deque[ReceivedEvent] = deque()
-        self._connection = GameConnection(host, port, token, self._events.append, consent, key)
+        self._connection = GameConnection(host, port, token, self._events.append, consent, key, seat)
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, name="link", daemon=True)
 

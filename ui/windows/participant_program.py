@@ -361,9 +361,9 @@ class ParticipantMainWindow(QMainWindow):
                 page.show_waiting(sentence)
                 page.cancelled.connect(partial(self._cancel, page))
                 self._show(page)
-            case Join(host, port, token, practice, agreed_at) if not self._going_back:
+            case Join(host, port, token, practice, agreed_at, seat) if not self._going_back:
                 consent = GiveConsent(agreed_at) if agreed_at else None
-                self.join(ParticipantLink(host, port, token, consent), practice)
+                self.join(ParticipantLink(host, port, token, consent, seat=seat), practice)
             case Thanks(texts) if not isinstance(self._pages.currentWidget(), ThanksPage):
                 self._use_texts(texts)
                 self._show_thanks()
@@ -488,12 +488,21 @@ def why_lost(texts: Texts, lost: ConnectionLost) -> str:
             return ""
 
 
-def play_at(host: str, port: int, token: str, choice: look.Choice, key: ClientKey | None = None) -> int:
-    """Open the window for a game at a server; `key` is the key to present. Return the exit code when it is closed."""
+def play_at(host: str, port: int, token: str, choice: look.Choice, key: ClientKey | None = None, seat: str = "") -> int:
+    """Open the window for a game at a server. Return the exit code when it is closed.
+
+    Args:
+        host: host of the server.
+        port: port of the server.
+        token: id of this run of the program.
+        choice: colors of the window.
+        key: key to present; None for none.
+        seat: name of the participant's seat; empty in a game with one participant.
+    """
     app = application()
     table = _table(app, choice, None, shipped_texts())
     # A participant's key is valid for one game, so the window does not offer another game.
-    table.join(ParticipantLink(host, port, token, key=key), once=key is not None)
+    table.join(ParticipantLink(host, port, token, key=key, seat=seat), once=key is not None)
     table.show()
     code = app.exec()
     return DECLINED if table.declined else code

@@ -156,7 +156,7 @@ def hunt(monkeypatch: pytest.MonkeyPatch, graph: GraphAddress | None) -> Measure
 
     options = PlayOptions(1.0, None, frozenset(), "suggestion", WARM_UP + SECONDS + 1.0, graph)
     with pytest.raises(HuntUnfinished):
-        asyncio.run(play.play(setting, participant, options, lambda where: None, progress))
+        asyncio.run(play.play(setting, (participant,), options, lambda where: None, progress))
     return Measured(np.array(walls), np.array(cpus), made[0].dropped if made else 0)
 
 

@@ -104,7 +104,7 @@ def test_fifty_robots(vehicles: str, recorded: bool, budgets: Budgets, tmp_path:
     bag = tmp_path / "hunt.bag" if recorded else None
     options = PlayOptions(1.0, bag, frozenset({"TabUI"}), "", SECONDS, mavlink=ports)
     with pytest.raises(HuntUnfinished):
-        asyncio.run(play.play(setting, None, options, lambda _: None, watch))
+        asyncio.run(play.play(setting, (), options, lambda _: None, watch))
     assert begun is not None
     share = (ended[1] - begun[1]) / (ended[0] - begun[0])
     how = f"{vehicles}, {'recorded' if recorded else 'not recorded'}"

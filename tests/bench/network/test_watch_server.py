@@ -83,7 +83,9 @@ def test_a_tick_with_watchers(reading: int, stalled: int, budgets: Budgets, monk
     async def whole() -> None:
         options = PlayOptions(1.0, None, frozenset(), "suggestion", SECONDS, watch=WatchAddress("127.0.0.1", 0, None))
         bot = TabUI(build_bot(setting.templates, STUDY.participant.strategy, STUDY.seed))
-        await play.play(setting, bot, options, lambda _: None, lambda _: None, StartupCallbacks(lambda _: None, come))
+        await play.play(
+            setting, (bot,), options, lambda _: None, lambda _: None, StartupCallbacks(lambda _: None, come)
+        )
 
     with pytest.raises(HuntUnfinished):
         asyncio.run(whole())

@@ -12,7 +12,7 @@ from ui.model.kiosk import TextToRead
 pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="Chromium is not installed (make peers, as root)")
 
 TEXTS = shipped_texts()
-MODULES = ("main.js", "dom.js", "study.js", "game.js", "map.js", "patches.js", "sounds.js")
+MODULES = ("main.js", "dom.js", "study.js", "game.js", "map.js", "patches.js", "people.js", "sounds.js")
 
 
 @pytest.fixture(scope="module")

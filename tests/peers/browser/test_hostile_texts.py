@@ -72,7 +72,7 @@ def assert_harmless(browser: Chromium, least: int) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["dialogue", "arguing", "questions", "naming", "picture", "commanded", "question", "over"]
+    "name", ["dialogue", "arguing", "questions", "naming", "picture", "commanded", "question", "over", "people"]
 )
 def test_names_of_robots_and_what_people_and_robots_say(server: StateServer, browser: Chromium, name: str) -> None:
     plan = sample_screens.floor_plan()
@@ -115,3 +115,13 @@ def test_the_player_of_a_recording(browser: Chromium, tmp_path: Path) -> None:
     browser.open((tmp_path / "player.html").as_uri())
     browser.until("document.querySelector('#entries')?.textContent")
     assert_harmless(browser, 8)
+
+
+def test_a_draft_that_the_game_put_back(server: StateServer, browser: Chromium) -> None:
+    game = shown_game(TEXTS, sample_screens.states()["people"])
+    people = ShownGame(hostile(tree(game.page)), game.floor, {})
+    server.state = PageState("draft", (GameToJoin(1, "", 0, "", False),), people)
+    browser.open(server.address)
+    browser.until("!!document.querySelector('.people textarea')?.value")
+    assert browser.evaluate("document.querySelector('.people textarea').value") == HOSTILE
+    assert_harmless(browser, 4)

@@ -46,7 +46,7 @@ def captured(tmp_path_factory: pytest.TempPathFactory) -> Path:
         bot = TabUI(build_bot(setting.templates, STUDY.participant.strategy, STUDY.seed))
         told = StartupCallbacks(lambda master: None, come)
         try:
-            await play(setting, bot, options, lambda where: None, lambda moment: None, told)
+            await play(setting, (bot,), options, lambda where: None, lambda moment: None, told)
         finally:
             await copying[0]
 

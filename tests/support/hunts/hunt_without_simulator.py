@@ -73,6 +73,7 @@ class HuntWithoutSimulator:
         patience: int | None = None,
         outlets: SessionOutlets = NO_OUTLETS,
         run: str = "",
+        others: Sequence[Role] = (),
     ) -> None:
         self.templates = templates(set_name)
         if kinds is not None:
@@ -97,7 +98,7 @@ class HuntWithoutSimulator:
         assert costs is not None
         self.puppets = Puppets(robots, plain_costs(costs))
         self.tabui: Role = participant or TabUI(build_bot(self.templates, strategy, seed))
-        roles: list[Role] = [self.puppets, self.tabui]
+        roles: list[Role] = [self.puppets, self.tabui, *others]
         roles.append(build_hider(self.templates, seed))
         roles = [role for role in roles if role.name not in outside]
         self.session = Session(self.keeper, roles, log=self.log, outlets=outlets, run=run)

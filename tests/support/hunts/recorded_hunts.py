@@ -35,7 +35,7 @@ def record(bag: Path, study: Study, seconds: float) -> None:
     setting = setting_of(study)
     options = PlayOptions(0.0, bag, frozenset(), "suggestion", seconds)
     with suppress(HuntUnfinished):
-        asyncio.run(play(setting, bot_of(setting), options, lambda where: None, lambda tick_record: None))
+        asyncio.run(play(setting, (bot_of(setting),), options, lambda where: None, lambda tick_record: None))
 
 
 def record_beginning(bag: Path, robots: int = 3, seconds: float = 15.0) -> Path:

@@ -19,6 +19,7 @@ from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.robot_requests import GameRequest, Request
 from thbridge.roles.shared.view import AnswerDialogue, ParticipantRequest, SelectRoom, SendRobot
 from thbridge.roles.simr.simr import SimR
+from thbridge.study.seats import SeatEntry
 from thbridge.study.study_file import Study
 
 STATION = Station(255, 190)
@@ -38,8 +39,8 @@ class Parameters:
 
 
 @cache
-def setting(energy: float = 100.0) -> StudySetting:
-    study = Study(robots=2)
+def setting(energy: float = 100.0, seats: tuple[SeatEntry, ...] = ()) -> StudySetting:
+    study = Study(robots=2, seats=seats)
     software = replace(study.robot, localization="truth")
     return read_setting(replace(study, robot=software, game=replace(study.game, energy=energy)), Path())
 
@@ -47,8 +48,10 @@ def setting(energy: float = 100.0) -> StudySetting:
 class PilotedHunt:
     """Session with a silent participant and a pilot at each robot's helm."""
 
-    def __init__(self, energy: float = 100.0, participant: TabUI | None = None) -> None:
-        made = setting(energy)
+    def __init__(
+        self, energy: float = 100.0, participant: TabUI | None = None, seats: tuple[SeatEntry, ...] = ()
+    ) -> None:
+        made = setting(energy, seats)
         self.setting = made
         self.log = Log()
         self.player = ScriptedPlayer()

@@ -74,7 +74,13 @@ def record(
         opening = build_record(setting, PLAY, roles_within, "" if window is None else "person")
         recorder = BagRecorder(Broadcast(build_publisher(setting), opening, setting.map.grid, [writer]))
         roles = [simr, build_hider(setting.templates, setting.study.seed)]
-        session = Session(build_keeper(setting), roles, [recorder], window, vehicle_factory(setting, simr))
+        session = Session(
+            build_keeper(setting),
+            roles,
+            [recorder],
+            () if window is None else (window,),
+            vehicle_factory(setting, simr),
+        )
         for tick in range(ticks):
             doing(tick, session)
             session.step()

@@ -35,13 +35,14 @@ class ServedProgram:
     """`thbridge serve` of a study folder.
 
     Args:
-        study: folder of the study.
+        study: folder of the study, or a study file.
         options: further options.
+        recorded: folder of recordings, for a study file.
     """
 
-    def __init__(self, study: Path, *options: str) -> None:
+    def __init__(self, study: Path, *options: str, recorded: Path | None = None) -> None:
         self.study = study
-        self.running = RunningGames.of(study)
+        self.running = RunningGames.of(recorded or study)
         self.program = Program(study.parent, "serve", str(study), "--port", "0", *options)
 
     @property

@@ -10,6 +10,7 @@ import numpy as np
 
 from sim.common.geometry import Pose2
 from tests.support.project import ROOT
+from tests.support.windows.sample_people import people
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
 from thbridge.files.map_files import read_map
@@ -439,6 +440,7 @@ def states(texts: Texts = ENGLISH) -> Mapping[str, Screen]:
         "over": replace(
             usual, phase=Phase.OVER, ending=ending(texts), cards=tuple(card(robot, texts=texts) for robot in range(3))
         ),
+        "people": replace(usual, people=people(texts)),
         "six": replace(playing(6, 12, 5, texts), waiting=waiting(5, texts)),
     }
 

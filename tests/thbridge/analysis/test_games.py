@@ -57,7 +57,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def outcome(bag: Path) -> HuntOutcome:
     player = _Twice()
     options = PlayOptions(0.0, bag, frozenset(), "suggestion", 600.0, left=player.has_left)
-    return asyncio.run(play(read_setting(STUDY, Path()), TabUI(player), options, lambda _: None, lambda _: None))
+    return asyncio.run(play(read_setting(STUDY, Path()), (TabUI(player),), options, lambda _: None, lambda _: None))
 
 
 @pytest.fixture(scope="module")

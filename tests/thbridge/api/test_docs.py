@@ -12,7 +12,7 @@ from tests.support.project import ROOT
     ("page", "examples"),
     [
         ("README.md", 1),
-        ("docs/reference/api.md", 6),
+        ("docs/reference/api.md", 7),
         pytest.param("docs/how-to/learning.md", 3, marks=pytest.mark.slow),
     ],
 )

@@ -17,7 +17,7 @@ def test_of_games_that_are_over_the_outcome_alone_is_kept() -> None:
         session = SimpleNamespace(tick=number, game=begin(all_started[-1]))
         assert not ending.reached(session)
     del session
-    states = [each for each in gc.get_objects() if isinstance(each, GameState)]
+    states = [each for each in gc.get_objects() if type(each) is GameState]
     kept = [each.started.game for each in states if any(each.started is other for other in all_started)]
     assert kept == [20]
     assert [each.game for each in ending.games] == list(range(1, 21))

@@ -46,7 +46,7 @@ async def played(setting: StudySetting, options: PlayOptions, dies: int | None =
             raise CrashError
 
     try:
-        return await play(setting, None, options, ready, progress)
+        return await play(setting, (), options, ready, progress)
     finally:
         if program is not None:
             program.cancel()
@@ -92,7 +92,7 @@ def test_a_game_of_another_study_does_not_go_on(tmp_path: Path) -> None:
     def begin(study: Study) -> None:
         setting = read_setting(study, tmp_path)
         participant = TabUI(build_bot(setting.templates, BotStrategy.SUGGESTION, 1))
-        asyncio.run(play(setting, participant, options, lambda _where: None, die))
+        asyncio.run(play(setting, () if participant is None else (participant,), options, lambda _where: None, die))
 
     with pytest.raises(CrashError):
         begin(STUDY)
@@ -113,7 +113,7 @@ def test_a_game_that_goes_another_way_is_noticed(tmp_path: Path) -> None:
 
     def begin() -> None:
         participant = TabUI(build_bot(setting.templates, BotStrategy.SUGGESTION, 1))
-        asyncio.run(play(setting, participant, options, lambda _where: None, die))
+        asyncio.run(play(setting, () if participant is None else (participant,), options, lambda _where: None, die))
 
     with pytest.raises(CrashError):
         begin()

@@ -61,7 +61,7 @@ def test_the_journal_of_a_hunt_names_the_key_by_which_a_watcher_was_granted_a_re
         )
         player = TabUI(build_bot(setting.templates, BotStrategy.SUGGESTION, 1))
         told = StartupCallbacks(lambda master: None, watched)
-        await play(setting, player, options, lambda where: None, progress, told)
+        await play(setting, (player,), options, lambda where: None, progress, told)
         for task in tasks:
             task.cancel()
 

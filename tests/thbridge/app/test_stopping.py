@@ -26,6 +26,6 @@ def test_it_ends_by_a_signal_during_a_game_and_after_one(over: bool) -> None:
 
     options = PlayOptions(0.0, None, frozenset(), "suggestion", 600.0, left=lambda: False)
     with pytest.raises(HuntUnfinished) as early:
-        asyncio.run(play(setting, participant, options, lambda _where: None, stop))
+        asyncio.run(play(setting, () if participant is None else (participant,), options, lambda _where: None, stop))
     assert early.value.stopped
     assert (early.value.outcome.over is not None) is over

@@ -45,7 +45,7 @@ async def groups_of(ticks: int, joins_at: int) -> tuple[list[int], int]:
     counting = asyncio.create_task(count())
     options = PlayOptions(10.0, None, frozenset(), "", ticks / 50.0, ticks_at_once=GROUP)
     with pytest.raises(HuntUnfinished):
-        await play(read_setting(study, Path()), None, options, ready, progress)
+        await play(read_setting(study, Path()), (), options, ready, progress)
     counting.cancel()
     for each in joining:
         (await each)[1].close()

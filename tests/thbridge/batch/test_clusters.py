@@ -136,7 +136,7 @@ def test_a_worker_that_the_scheduler_ends_is_told_with_the_cause(tmp_path: Path)
 
 @pytest.mark.slow
 def test_dask_plays_by_tls_alone(whole: Path, tmp_path: Path) -> None:
-    """As docs/how-to/sweeps.md shows it, on this machine."""
+    """As docs/how-to/sweeps-on-clusters.md shows it, on this machine."""
     words = "req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -days 2 -subj /CN=dask -keyout k -out c"
     subprocess.run(["openssl", *words.split()], cwd=tmp_path, check=True, capture_output=True)
     place, security = tmp_path / "scheduler.json", ("--tls-ca-file", "c", "--tls-cert", "c", "--tls-key", "k")

@@ -295,7 +295,7 @@ def test_nobody_talks_in_the_name_of_a_robot_that_does_not_answer_until_it_does(
 
 def test_a_line_of_2016_moves_no_robot_that_does_not_answer(scripted):
     report(scripted, 0, Condition.SILENT)
-    scripted.keeper._participants._members.clear()
+    scripted.keeper._seats[""].participants._members.clear()
     scripted.run(1)
     before = len(scripted.lines)
     scripted.say(SendRobot(0, 3), ticks=20)
@@ -379,7 +379,7 @@ def test_programs_of_2016_need_no_consensus_and_never_say_that_they_give_up():
     played.run(5)
     # From here on an outside program speaks, on a connection that is not extended.
     played.router.local.detach(legacy.TABUI)
-    played.keeper._participants._members.clear()
+    played.keeper._seats[""].participants._members.clear()
     played.session._roles = tuple(role for role in played.session._roles if role is not played.tabui)
     connection = played.session.router.connect(0.0)
 

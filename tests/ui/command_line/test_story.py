@@ -2,9 +2,21 @@
 
 import dataclasses
 
+from tests.support.hunts.hunt_without_simulator import RULES, HuntWithoutSimulator, templates
 from tests.support.hunts.scripted_hunt import TAKE, ScriptedHunt
-from thbridge.hunt.events import RobotArrived, TreasureIdentified, TreasureLeft, TreasurePictured
+from thbridge.app.compose.game import build_bot
+from thbridge.hunt.events import (
+    Commander,
+    CommanderChanged,
+    HandbackRequested,
+    RobotArrived,
+    TreasureIdentified,
+    TreasureLeft,
+    TreasurePictured,
+)
 from thbridge.hunt.rooms import Room, RoomNames
+from thbridge.hunt.seats import Seat
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.robot_requests import ReleaseCommand
 from ui.command_line.story import print_story, tell
 
@@ -23,6 +35,27 @@ def test_who_commands_a_robot_is_told() -> None:
         "Robot 1 is now commanded by /rviz.",
         "Robot 1 is now commanded by ground station 255.",
         "Robot 1 is now commanded by the participant.",
+    ]
+
+
+def test_a_story_names_the_seats() -> None:
+    seats = (Seat("driver", "the driver", robots=(0,)), Seat("namer", "the namer"))
+    rules = dataclasses.replace(RULES, seats=seats)
+    bots = [TabUI(build_bot(templates(), "nearest", seed), seat=each.name) for seed, each in enumerate(seats)]
+    hunt = HuntWithoutSimulator(robots=1, rules=rules, participant=bots[0], others=bots[1:])
+    hunt.run(300)
+    sentences = {sentence.split("s  ", 1)[1] for tick in hunt.tick_records for sentence in tell(tick, RoomNames())}
+    assert {"The driver joins", "The namer joins"} < sentences
+    assert any(sentence.startswith("The driver to robot 1: ") for sentence in sentences)
+    assert any(sentence.startswith("The driver: Robot 1 leaves for room") for sentence in sentences)
+    hand_over = dataclasses.replace(
+        hunt.tick_records[-1],
+        events=(HandbackRequested(0, "namer"), CommanderChanged(0, Commander.PARTICIPANT, "namer", "driver")),
+        utterances=(),
+    )
+    assert [sentence.split("s  ", 1)[1] for sentence in tell(hand_over, RoomNames())] == [
+        "The namer asks to command robot 1.",
+        "The driver: Robot 1 is now commanded by the namer.",
     ]
 
 

@@ -62,7 +62,7 @@ def record(bag: Path, study: Study, ticks: int, done: Mapping[int, Request] = DO
     with build_writer(setting, bag) as writer:
         recorder = BagRecorder(Broadcast(build_publisher(setting), session_record, setting.map.grid, [writer]))
         roles = [build_simr(setting), build_hider(setting.templates, setting.study.seed)]
-        session = Session(build_keeper(setting), roles, [recorder], participant)
+        session = Session(build_keeper(setting), roles, [recorder], (participant,))
         for tick in range(ticks):
             if tick in done:
                 session.ask("watch", done[tick])

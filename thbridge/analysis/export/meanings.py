@@ -232,6 +232,8 @@ TOPICS: Mapping[str, str] = {
     "/hunt/events": "all events of the game",
     "/hunt/score": "state of the game, at each change",
     "/hunt/wizard": "robots for which a researcher speaks, and waiting sentences, at each change",
+    "/hunt/team": "texts and votes of participants, in games with several seats",
+    "/hunt/shown": "what each participant was shown, in games with several seats",
     "/watch/status": "status that the watch server sent to the recording client",
     "/things": "outlines of obstacles",
     "/hunt/rooms": "names of rooms, each at its goal",

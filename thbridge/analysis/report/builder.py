@@ -21,14 +21,17 @@ from thbridge.analysis.report.report import ObstacleTrack, Report, TimelineEntry
 from thbridge.analysis.report.robot_messages import RobotMessages
 from thbridge.analysis.report.tracks import FOUND_BY_NAME, SeriesByTopic, TrajectoryTopics
 from thbridge.files.errors import BadFile
+from thbridge.hunt.codec import from_json
 from thbridge.hunt.event_words import event_in_words, kind_in_words
+from thbridge.hunt.events import TeamEntry
 from thbridge.hunt.rooms import RoomNames
+from thbridge.hunt.team_words import entry_in_words, seat_of_entry
 from thbridge.json_text import json_of
 from thbridge.recording.bag.reading.reader import RawMessage, info
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.identification import is_md5
 from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
-from thbridge.ros.names import MAP, ROOMS, THINGS
+from thbridge.ros.names import MAP, ROOMS, TEAM, THINGS
 from thbridge.ros.robots import usual_first
 
 _TF_OLD = "tf/tfMessage"
@@ -246,6 +249,12 @@ class ReportBuilder:
 
     def _event(self, time: float, topic: str, data: bytes) -> None:
         event = unpack.game_event(data)
+        if topic == TEAM:
+            entry = from_json(event.json)
+            if isinstance(entry, TeamEntry):
+                what, text = kind_in_words(event.kind), entry_in_words(entry, self._rooms)
+                self._timeline.append(TimelineEntry(time, what, seat_of_entry(entry), event.room, text))
+            return
         self._events.append((time, event))
         who = "" if event.robot is None else robot_name(event.robot)
         if event.kind == "carried" and event.robot is not None:
@@ -258,7 +267,7 @@ class ReportBuilder:
         self._dialogues.take_utterance(message)
         self._utterances.append((time, message))
         robot = robot_name(message.robot)
-        who = robot if message.speaker == "robot" else f"participant to {robot}"
+        who = robot if message.speaker == "robot" else f"{message.seat or 'participant'} to {robot}"
         who += " (researcher)" if message.author == "wizard" else ""
         self._timeline.append(TimelineEntry(time, "said", who, message.room, message.text or message.move))
 

@@ -131,7 +131,8 @@ class TimelineEntry:
     Attributes:
         time: seconds.
         kind: kind of the event in words, or "said" for an utterance.
-        who: label of a robot, "participant to" and a robot's label, or empty.
+        who: label of a robot, "participant to" and a robot's label, or empty. In a game with several seats, a seat
+            instead of "participant".
         room: number of the room, or None.
         text: text for people.
         points: points won or lost; None for events without points.

@@ -30,7 +30,9 @@ from thbridge.roles.keeper.keeper import GameRules, Keeper
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.bots import Bot, TreasureKnowledge
 from thbridge.roles.participant.installed_participant import InstalledParticipant
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.notices import FloorPlan, GameTexts, RoomOutline
+from thbridge.study.seats import seats_of
 from thbridge.study.study_file import DialogueSection, MannerSection, Study
 
 
@@ -72,7 +74,15 @@ def build_keeper(setting: StudySetting, history: tuple[JournalEntry, ...] = (), 
 def game_rules(study: Study) -> GameRules:
     """Return the rules of a study's game."""
     game = study.game
-    return GameRules(study.seed, game.energy, game.picture_cost, game.identify_cost, game.wrong_share)
+    return GameRules(
+        study.seed,
+        game.energy,
+        game.picture_cost,
+        game.identify_cost,
+        game.wrong_share,
+        seats_of(study.seats),
+        study.team.rules(),
+    )
 
 
 def _with_words(language: Language, templates: TemplateSet, words: SetWords) -> Language:
@@ -157,6 +167,32 @@ def knowledge_of(templates: TemplateSet) -> TreasureKnowledge:
 def build_hider(templates: TemplateSet, seed: int) -> Hider:
     """Return the role that hides the treasures."""
     return Hider(templates.kinds, seed, templates.rooms, templates.properties)
+
+
+def build_participants(setting: StudySetting, strategy: str | None = None) -> tuple[TabUI, ...]:
+    """Return a simulated participant for each seat of a study.
+
+    Args:
+        setting: the study.
+        strategy: strategy of all participants. If None, the study has the strategies.
+
+    Raises:
+        BadFile: there is no participant with this name; see `installed_participant`.
+    """
+    study, who = setting.study, setting.study.participant
+    if not study.seats:
+        return (TabUI(build_bot(setting.templates, strategy or who.strategy, study.seed, who.attitude)),)
+    participants = []
+    for entry in study.seats:
+        chosen = strategy or entry.strategy or who.strategy
+        bot = build_bot(setting.templates, chosen, seat_seed(study.seed, entry.name), entry.attitude or who.attitude)
+        participants.append(TabUI(bot, seat=entry.name))
+    return tuple(participants)
+
+
+def seat_seed(seed: int, seat: str) -> int:
+    """Return the random seed of a simulated participant in a seat; `seat` is empty in a game with one participant."""
+    return int(noise.key(seed, "seat", seat)) % 2**31 if seat else seed
 
 
 def build_bot(

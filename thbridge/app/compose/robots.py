@@ -24,6 +24,7 @@ from thbridge.roles.simr.pose_telemetry import TelemetryOptions
 from thbridge.roles.simr.simr import RESPONSE_TIMEOUT, SimR
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.roles.simr.travel_times import TravelTimes
+from thbridge.study.seats import seats_of
 from thbridge.study.things import schedule_of
 
 REHEARSAL = 5 * TICKS_PER_SECOND
@@ -77,7 +78,8 @@ def build_simr(
     )
     shown = setting.study.participant.shows
     shows = TelemetryOptions(shown.way, shown.uncertainty, shown.truth)
-    return SimR(robots or build_team(setting), field, setting.study.server.dialect, response_timeout, shows)
+    seats = seats_of(setting.study.seats)
+    return SimR(robots or build_team(setting), field, setting.study.server.dialect, response_timeout, shows, seats)
 
 
 def build_travel_times(setting: StudySetting) -> TravelTimes:

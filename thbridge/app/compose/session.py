@@ -23,12 +23,12 @@ class Programs:
     Attributes:
         robots: role of the robots.
         hider: role of the treasures.
-        participant: role of the participant, whose messages are inputs.
+        participants: roles of participants, whose messages are inputs.
     """
 
     robots: Role | None = None
     hider: Hider | None = None
-    participant: Role | None = None
+    participants: tuple[Role, ...] = ()
 
     @property
     def roles(self) -> list[Role]:
@@ -38,12 +38,12 @@ class Programs:
     @property
     def names(self) -> list[str]:
         """Names of all roles, as recordings contain them."""
-        return [role.name for role in (*self.roles, self.participant) if role is not None]
+        return [role.name for role in (*self.roles, *self.participants)]
 
 
 def build_programs(
     setting: StudySetting,
-    participant: Role | None = None,
+    participants: Sequence[Role] = (),
     outside: Collection[str] = (),
     team: "RobotTeam | None" = None,
 ) -> Programs:
@@ -51,7 +51,7 @@ def build_programs(
 
     Args:
         setting: the study.
-        participant: role of the participant.
+        participants: roles of participants.
         outside: names of the roles that other programs have; the robots are always inside the session.
         team: the robots. If None, simulated robots are built for this session.
     """
@@ -60,7 +60,7 @@ def build_programs(
     return Programs(
         robots=build_simr(setting, team),
         hider=None if legacy.HIDER in outside else build_hider(setting.templates, setting.study.seed),
-        participant=None if legacy.TABUI in outside else participant,
+        participants=tuple(each for each in participants if each.name not in outside),
     )
 
 
@@ -107,7 +107,7 @@ def open_session(
         keeper or build_keeper(setting),
         programs.roles,
         recording.recorders,
-        programs.participant,
+        programs.participants,
         vehicles,
         recording.log,
         outlets,

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Self
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
-from thbridge.app.compose.game import build_bot
+from thbridge.app.compose.game import build_participants
 from thbridge.app.compose.recording import build_record, build_recorder, build_writer, message_filter
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.session import SessionRecording, build_programs, open_session
@@ -35,8 +35,8 @@ from thbridge.hunt.events import RoomAdvised
 from thbridge.recording.bag.options import RecordingDetail
 from thbridge.recording.bag.reading import reader as bag_reader
 from thbridge.recording.bag.reading.reader import RawMessage
-from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.role import Role
+from thbridge.roles.shared.seat_programs import program_of
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.differences import FieldDifference, differences
@@ -302,13 +302,17 @@ def _replayed_session(
         alone = SimrSession(build_simr(setting), recorders)
         return alone, partial(_give_to_simr, alone)
     study = setting.study
-    recorded_participant = RecordedParticipant() if legacy.TABUI in record.roles and participant is None else None
-    player: Role | None = recorded_participant
-    if participant is not None:
-        player = TabUI(build_bot(setting.templates, participant, study.seed, study.participant.attitude))
-    programs = build_programs(setting, player, outside={legacy.HIDER} - set(record.roles))
+    recorded: dict[str, RecordedParticipant] = {}
+    players: Sequence[Role] = ()
+    if participant is None:
+        names = {program_of(seat.name) for seat in study.seats} | {legacy.TABUI}
+        recorded = {name: RecordedParticipant(name) for name in record.roles if name in names}
+        players = [*recorded.values()]
+    else:
+        players = build_participants(setting, participant)
+    programs = build_programs(setting, players, outside={legacy.HIDER} - set(record.roles))
     session = open_session(setting, programs, SessionRecording(recorders))
-    return session, partial(give, session, recorded_participant)
+    return session, partial(give, session, recorded)
 
 
 def _give_to_simr(session: SimrSession, item: inputs.Input) -> None:

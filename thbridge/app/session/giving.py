@@ -1,6 +1,6 @@
 """Function that passes recorded inputs to a new session, through the same methods as in the recorded session."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from thbridge.app.session import inputs
 from thbridge.app.session.session import Session
@@ -9,11 +9,14 @@ from thbridge.text_protocol.wire.lines import TextMessage
 
 
 class RecordedParticipant:
-    """Participant of a replay, which sends the messages of the recorded participant."""
+    """Participant of a replay, which sends the messages of the recorded participant.
 
-    name = legacy.TABUI
+    Args:
+        name: name of the participant's program.
+    """
 
-    def __init__(self) -> None:
+    def __init__(self, name: str = legacy.TABUI) -> None:
+        self.name = name
         self._lines: list[TextMessage] = []
 
     def connected(self) -> None:
@@ -29,8 +32,14 @@ class RecordedParticipant:
         return lines
 
 
-def give(session: Session, participant: RecordedParticipant | None, item: inputs.Input) -> None:
-    """Give an input to a session of `thbridge play`, through the method that received it in the recorded session."""
+def give(session: Session, participants: Mapping[str, RecordedParticipant], item: inputs.Input) -> None:
+    """Give an input to a session of `thbridge play`, through the method that received it in the recorded session.
+
+    Args:
+        session: the session.
+        participants: the recorded participants of the session, by the names of their programs.
+        item: the input.
+    """
     match item:
         case inputs.ConnectionOpened(_, now, credentials):
             session.perform(session.router.make_room(now))
@@ -43,8 +52,8 @@ def give(session: Session, participant: RecordedParticipant | None, item: inputs
             session.perform(session.router.report_backlog(connection, size))
         case inputs.ClockAdvanced(now):
             session.perform(session.router.advance(now))
-        case inputs.ParticipantSent(message) if participant is not None:
-            participant.prompt(message)
+        case inputs.ParticipantSent(message) if message.sender in participants:
+            participants[message.sender].prompt(message)
         case inputs.ClientRequest(sender, request):
             session.ask(sender, request)
         case inputs.LinkOpened(_, name, robot) if session.has_vehicles:

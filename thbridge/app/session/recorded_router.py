@@ -5,6 +5,7 @@ from thbridge.app.session.inputs import InputQueue
 from thbridge.credentials import LOCAL, Credentials
 from thbridge.text_protocol.wire.router import (
     ClientJoined,
+    ClientLeft,
     ConnectionId,
     Forwarded,
     MessageRouter,
@@ -39,6 +40,7 @@ class RecordedRouter:
         self._said_by_all = 0
         self._forwarded: list[Forwarded] = []
         self._joined: list[ClientJoined] = []
+        self._left: list[str] = []
 
     def make_room(self, now: float) -> list[RouterOutput]:
         """Make room for a connection. This is not recorded, because replays make room before each connection."""
@@ -116,7 +118,20 @@ class RecordedRouter:
         joined, self._joined = self._joined, []
         return joined
 
+    def take_left(self) -> list[str]:
+        """Return the names of programs that were disconnected since the last call, and have not joined again."""
+        left, self._left = self._left, []
+        return left
+
     def _noted(self, outputs: list[RouterOutput]) -> list[RouterOutput]:
-        """Store the lines that the router forwarded, for the keeper and the record; return the router's outputs."""
+        """Store forwarded lines and the names of programs that have left, for the keeper; return the outputs."""
+        for output in outputs:
+            match output:
+                case ClientLeft(_, name):
+                    self._left.append(name)
+                case ClientJoined(_, name) if name in self._left:
+                    self._left.remove(name)
+                case _:
+                    pass
         self._forwarded += [output for output in outputs if isinstance(output, Forwarded)]
         return outputs

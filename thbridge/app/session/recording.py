@@ -25,6 +25,10 @@ from thbridge.mavlink.files.tlog import TlogFile
 from thbridge.mavlink.wire.outgoing import VehicleStatus
 from thbridge.roles.keeper.agreements import MATTERS
 from thbridge.roles.keeper.requests.wizard import WizardState
+from thbridge.roles.shared.notices import KEEPER
+from thbridge.roles.shared.seat_programs import seat_name_of
+from thbridge.roles.shared.team_notices import TeamTalk
+from thbridge.roles.shared.view import View
 from thbridge.ros.messages.records import GraphRequest, Record, SendRobots, Success
 from thbridge.ros.messages.session_records import (
     DialogueMoveRecord,
@@ -32,10 +36,13 @@ from thbridge.ros.messages.session_records import (
     GameEvent,
     HeldTurns,
     ScoreRecord,
+    SeatNotice,
+    TeamEvent,
     UtteranceRecord,
 )
 from thbridge.ros.messages.stamps import stamp_ns
-from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire import legacy, notice_format
+from thbridge.text_protocol.wire.notice_format import Notice, parse_notice
 from thbridge.text_protocol.wire.router import Forwarded
 
 JUMP = 0.2
@@ -43,6 +50,8 @@ JUMP = 0.2
 
 _SHORTEST_PART = 0.7 * JUMP
 """Of a motion that is longer than `JUMP`, the part along x or along y is longer than this."""
+
+_SHOWN = frozenset({notice_format.kind_of(View), notice_format.kind_of(TeamTalk)})
 
 STATE_PERIOD = TICKS_PER_SECOND
 """An unchanged state of a vehicle is recorded again after this number of ticks."""
@@ -85,8 +94,11 @@ class BagRecorder:
                 yield from self._client_requests(record, item.request)
         for forwarded in record.forwarded:
             yield from _lines(forwarded)
+            yield from _shown(forwarded)
         for event in record.events:
             yield _event(event)
+        for entry in record.team:
+            yield TeamEvent(_event(entry))
         for utterance in record.utterances:
             yield _utterance(utterance)
             yield from _formal_moves(utterance)
@@ -188,7 +200,18 @@ def _lines(forwarded: Forwarded) -> Iterator[Record]:
             yield Success(message.line())
 
 
-def _event(event: events.Event) -> GameEvent:
+def _shown(forwarded: Forwarded) -> Iterator[SeatNotice]:
+    """Yield the record of a notice that shows the game, or texts, to the participant of a seat."""
+    message = forwarded.message
+    seat = seat_name_of(message.receiver)
+    if not (seat and forwarded.delivered and message.sender == KEEPER):
+        return
+    notice = parse_notice(message)
+    if isinstance(notice, Notice) and notice.kind in _SHOWN:
+        yield SeatNotice(seat, notice.kind, json.dumps(notice.fields))
+
+
+def _event(event: events.Event | events.TeamEntry) -> GameEvent:
     robot: int | None = getattr(event, "robot", None)
     room: Room | None = getattr(event, "room", None)
     return GameEvent(kind_of(type(event)), robot, None if room is None else room.people, to_json(event))
@@ -202,7 +225,7 @@ def _utterance(utterance: moves.DialogueUtterance) -> UtteranceRecord:
         room=utterance.topic.room.people,
         scenario=MATTERS[utterance.topic.scenario],
         text=utterance.text,
-        author=utterance.author,
+        author=f"{utterance.author} {utterance.seat}".rstrip(),
         move=moves.word_of(utterance.move),
     )
 
@@ -221,7 +244,7 @@ def _formal_moves(utterance: moves.DialogueUtterance) -> Iterator[DialogueMoveRe
             index=formal.index,
             robot=utterance.topic.robot,
             speaker=formal.side,
-            author=utterance.author,
+            author=f"{utterance.author} {utterance.seat}".rstrip(),
             game=play.game.name,
             locution=formal.move.locution,
             content=str(formal.move.content),

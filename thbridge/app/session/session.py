@@ -15,7 +15,7 @@ from thbridge.app.session.key_uses import KeyUses
 from thbridge.app.session.recorded_links import RecordedLinks
 from thbridge.app.session.recorded_router import RecordedRouter
 from thbridge.dialogue.moves import DialogueUtterance
-from thbridge.hunt.events import Event, GameStarted, JournalEntry, KeyUsed
+from thbridge.hunt.events import Event, GameStarted, JournalEntry, KeyUsed, TeamEntry
 from thbridge.hunt.game import GameState
 from thbridge.mavlink.wire.outgoing import VehicleStatus
 from thbridge.mavlink.wire.traffic import OutgoingFrame, Traffic
@@ -52,6 +52,7 @@ class TickRecord:
         traffic: frames that vehicles have received and sent from the last tick to the end of this tick, in order.
         vehicles: status of each vehicle; empty if the robots are not vehicles.
         refusals: requests of programs that the keeper has refused, in order.
+        team: texts and votes of the participants, in a game with several seats, in order.
     """
 
     tick: int
@@ -65,6 +66,7 @@ class TickRecord:
     traffic: tuple[Traffic, ...] = ()
     vehicles: tuple[VehicleStatus, ...] = ()
     refusals: tuple[ProgramRefusal, ...] = ()
+    team: tuple[TeamEntry, ...] = ()
 
 
 class TickRecorder(Protocol):
@@ -133,7 +135,7 @@ class Session:
         keeper: keeper of the game.
         roles: the other roles of this process.
         recorders: recorders that record every tick.
-        participant: the participant's role in this process, whose messages are inputs; None if there is none.
+        participants: roles of participants in this process, whose messages are inputs.
         vehicles: factory of the robots' MAVLink vehicles. The argument of the factory receives the vehicles' requests
             to robots and game. These requests follow from frames, so they are not inputs. If None, the robots are not
             MAVLink vehicles.
@@ -156,7 +158,7 @@ class Session:
         keeper: Keeper,
         roles: Sequence[Role],
         recorders: Sequence[TickRecorder] = (),
-        participant: Role | None = None,
+        participants: Sequence[Role] = (),
         vehicles: "Callable[[RequestSink], Vehicles] | None" = None,
         log: EventLog | None = None,
         outlets: SessionOutlets = NO_OUTLETS,
@@ -165,19 +167,19 @@ class Session:
         self.tick = 0
         self._outlets = outlets
         self._run = run
-        self._message_router = MessageRouter()
+        self._message_router = MessageRouter(name_rule=keeper.refused_name)
         self._keeper = keeper
         self._roles = tuple(roles)
         self._log = log
         self._recorders = tuple(recorders)
-        self._participant = participant
+        self._participants = tuple(participants)
         self._robots = next((role for role in roles if isinstance(role, RobotsRole)), None)
         self._inputs = InputQueue()
         self._vehicles = None if vehicles is None else vehicles(self._pass_on)
         self.router = RecordedRouter(self._message_router, self._inputs)
         self.links = RecordedLinks(self._vehicles, self._inputs)
         self.keys = KeyUses()
-        for role in (keeper, *self._roles, *(() if participant is None else (participant,))):
+        for role in (keeper, *self._roles, *self._participants):
             taken = self._message_router.local.attach(role.name)
             if taken is not None:
                 raise ValueError(f"two programs are called {taken.name}")
@@ -254,6 +256,7 @@ class Session:
         given = self._inputs.take()
         self.perform(self.router.exchange())
         forwarded = self.router.take_forwarded()
+        self._keeper.note_left(self.router.take_left())
         self._keeper.tap(forwarded)
         # The keeper's events are written to the journal before any message about them is sent. So after a crash, the
         # journal contains all events that other programs know.
@@ -264,8 +267,8 @@ class Session:
             self._log.append([*decisions.entries, *by_keys])
         for role in self._roles:
             self._step_role(role)
-        if self._participant is not None:
-            given += [inputs.ParticipantSent(message) for message in self._step_role(self._participant)]
+        for participant in self._participants:
+            given += [inputs.ParticipantSent(message) for message in self._step_role(participant)]
         snapshot = self.snapshot
         sent = [] if self._vehicles is None or snapshot is None else self._vehicles.step(snapshot, self._keeper.state)
         record = TickRecord(
@@ -280,6 +283,7 @@ class Session:
             () if self._vehicles is None else self._vehicles.hub.take_traffic(),
             () if self._vehicles is None else self._vehicles.statuses,
             decisions.refusals,
+            decisions.team,
         )
         for recorder in self._recorders:
             recorder.record(record)

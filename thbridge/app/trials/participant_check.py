@@ -94,7 +94,7 @@ def _play(
     robots = Puppets(study.robots, plain_costs(setting.costs))
     robots.stuck.update(stuck)
     participant = TabUI(player)
-    session = open_session(setting, Programs(robots, build_hider(setting.templates, study.seed), participant))
+    session = open_session(setting, Programs(robots, build_hider(setting.templates, study.seed), (participant,)))
     refused = Counter[tuple[str, str]]()
     while session.tick < LONGEST_GAME:
         record = session.step()

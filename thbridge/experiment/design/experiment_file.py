@@ -1,6 +1,7 @@
 """The file of an experiment: conditions, number of people, and the steps of each person."""
 
 import itertools
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -11,6 +12,7 @@ from sim.parameters import param
 from thbridge.batch.settings import SettingCache
 from thbridge.experiment.allocation.latin_square import Order, balanced_latin_square, cyclic_latin_square
 from thbridge.experiment.allocation.places import Allocation
+from thbridge.experiment.design.lobby import LobbySection, lobby_problems
 from thbridge.experiment.design.practice import practice_problems, practice_studies, without_bases
 from thbridge.experiment.design.presence import PresenceSection
 from thbridge.experiment.design.recruiting import RecruitingSection, recruiting_problems
@@ -98,6 +100,10 @@ class ExperimentFile:
     begins: WhoBegins = param(WhoBegins.PARTICIPANT, "who starts the run of the next person")
     recruiting: RecruitingSection = param(RecruitingSection(), "how people enter from a recruiting service")
     presence: PresenceSection = param(PresenceSection(), "presence of people who take part in a browser")
+    lobby: LobbySection = param(
+        LobbySection(),
+        "games of several people (studies with `seats`): who plays together, and what follows if people are missing",
+    )
     recruitment: str = param("", "sentence for the methods text: how people were recruited and paid")
     ethics: str = param(
         "", "sentence for the methods text: approval by an ethics committee, with the committee's name and the number"
@@ -199,7 +205,54 @@ class ExperimentDesign:
     def allocation(self) -> Allocation:
         """Assignment of places to groups and orders."""
         file = self.file
-        return Allocation(len(self.cells), len(self.orders), file.quota, file.seed, file.in_block)
+        return Allocation(
+            len(self.cells), len(self.orders), file.quota, file.seed, file.in_block, tuple(self._people_together())
+        )
+
+    @property
+    def has_groups(self) -> bool:
+        """True if a game of the study has several people."""
+        return any(study.seats for studies in self._games() for study in studies)
+
+    @property
+    def pairing_factor(self) -> str:
+        """Factor between people by which groups are formed; empty if there is none."""
+        return self.file.lobby.by if self.file.lobby.by in self.cells[0].levels else ""
+
+    def family(self, cell: int) -> str:
+        """Return the levels of a cell in words, without the factor by which groups are formed.
+
+        People of the same family can play together.
+        """
+        levels = self.cells[cell].levels.items()
+        return ", ".join(f"{factor}={level}" for factor, level in levels if factor != self.pairing_factor)
+
+    def _games(self) -> Iterator[Sequence[Study]]:
+        """Yield the studies of all games of each cell: of trials, and of each practice."""
+        yield from (cell.studies for cell in self.cells)
+        yield from itertools.chain.from_iterable(self.practices.values())
+
+    def _people_together(self) -> Iterator[tuple[int, ...]]:
+        """Yield the cells of the people who come together in a group, for each family of cells.
+
+        Yield nothing if all games have one participant.
+        """
+        if not self.has_groups:
+            return
+        lobby = self.file.lobby
+        families: dict[str, list[int]] = {}
+        for cell in range(len(self.cells)):
+            families.setdefault(self.family(cell), []).append(cell)
+        for cells in families.values():
+            if self.pairing_factor:
+                values = [self.cells[cell].levels[self.pairing_factor] for cell in cells]
+                yield tuple(
+                    cell for cell, value in zip(cells, values, strict=True) for _ in range(lobby.people_of(value))
+                )
+                continue
+            (cell,) = cells
+            games = itertools.chain(self.cells[cell].studies, *(each[cell] for each in self.practices.values()))
+            yield (cell,) * math.lcm(*(len(study.seats) or 1 for study in games))
 
     def levels_at(self, cell: int, condition: int | None) -> Mapping[str, str]:
         """Return the level of each factor for a participant of a cell in a step.
@@ -384,8 +437,8 @@ def _problems(loaded: Loaded[ExperimentFile], conditions: int) -> Iterator[BadFi
     if len(file.title) > LONGEST_TITLE or visible(file.title) != file.title:
         problem = f"a title must be one line of at most {LONGEST_TITLE} characters"
         yield loaded.fault("title", problem, "Shorten the title: exports use it in file names and headings")
-    for problem_of_recruiting in recruiting_problems(file.recruiting):
-        yield loaded.fault(*problem_of_recruiting)
+    for problem_of_section in (*recruiting_problems(file.recruiting), *lobby_problems(file.lobby)):
+        yield loaded.fault(*problem_of_section)
     if not file.steps:
         yield loaded.fault("steps", "the study has no steps", "Write at least one line '- {step: trial}'")
     trials = [entry.each_condition for entry in file.steps if entry.step is StepKind.TRIAL]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from thbridge.experiment.allocation.places import Place
 from thbridge.experiment.design.experiment_file import ExperimentDesign, name_of
 from thbridge.experiment.design.steps import StepEntry, StepKind
+from thbridge.study.study_file import Study
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,3 +61,17 @@ def repeated_from(plan: Sequence[PlannedStep], check: PlannedStep) -> int:
     """
     named = (step.number for step in reversed(plan[: check.number]) if step.name == check.entry.repeat)
     return next(named, check.number)
+
+
+def study_of_game(design: ExperimentDesign, place: Place, step: PlannedStep) -> Study | None:
+    """Return the study of a trial or practice game, without its random seed. Return None for other steps."""
+    if step.entry.step is StepKind.PRACTICE:
+        first = design.orders[place.order][0] if step.condition is None else step.condition
+        return design.practices[step.index][place.cell][first]
+    return None if step.condition is None or step.trial is None else design.cells[place.cell].studies[step.condition]
+
+
+def seats_of_game(design: ExperimentDesign, place: Place, step: PlannedStep) -> tuple[str, ...]:
+    """Return the names of the seats of a step's game; empty for games with one participant, and for other steps."""
+    study = study_of_game(design, place, step)
+    return () if study is None else tuple(seat.name for seat in study.seats)

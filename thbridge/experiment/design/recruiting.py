@@ -38,6 +38,7 @@ class Ending(StrEnum):
     ENDED_EARLY = "ended_early"
     FULL = "full"
     TIMED_OUT = "timed_out"
+    NO_GROUP = "no_group"
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +51,9 @@ class EndingsSection:
     ended_early: str = param("", "for people who stopped, or whose run ended for another reason")
     full: str = param("", "for people who arrive when the study is complete")
     timed_out: str = param("", "for people who were absent for too long; see `presence`")
+    no_group: str = param(
+        "", "for people who waited in vain for a game of several people; if empty, they get a completion code"
+    )
 
 
 @dataclass(frozen=True, slots=True)

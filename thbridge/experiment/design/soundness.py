@@ -9,6 +9,7 @@ from itertools import chain
 
 from thbridge.experiment.allocation.places import Place
 from thbridge.experiment.design.experiment_file import ExperimentDesign, name_of
+from thbridge.experiment.design.lobby_faults import faults_of_lobby
 from thbridge.experiment.design.plan import plan_of, repeated_from
 from thbridge.experiment.design.steps import StepEntry, StepKind
 from thbridge.experiment.questionnaires.form import MEASURED, Form, Item, Scale
@@ -40,12 +41,23 @@ under_way_s value waiting_s wall wall_seconds words
 TAKEN_COLUMNS = frozenset(_COLUMNS.split())
 """Names of columns of exported tables. A factor with one of these names would overwrite the column."""
 
+_GROUP_COLUMNS = """
+after_proposal_s agreed_by agrees author_holder author_participant characters decided empty_seats filled_s group holder
+holder_at_end incomplete left_s line most_waited_s moves needs people pictures programs proposed proposed_by
+proposed_by_holder proposed_by_participant proposed_s read_after_s read_s reader reader_holder reader_participant
+rejected_by replies resumed_s room seat seats texts to_all treasure turn_share turns typing_s voter voter_holder
+voter_participant votes votes_for waited_s
+"""
+GROUP_COLUMNS = frozenset(_GROUP_COLUMNS.split())
+"""Names of further columns in studies with games of several people."""
+
 
 def faults_of(design: ExperimentDesign) -> Iterator[BadFile]:
     """Yield all faults that would spoil data, with line numbers and remedies."""
     yield from _of_consent(design)
     yield from _of_factors(design)
     yield from _of_games(design)
+    yield from faults_of_lobby(design)
     for index, entry in enumerate(design.file.steps):
         yield from _of_branch(design, index, entry)
         yield from _of_levels(design, index, entry)
@@ -97,9 +109,10 @@ def _consents(design: ExperimentDesign) -> list[int]:
 
 
 def _of_factors(design: ExperimentDesign) -> Iterator[BadFile]:
+    taken = TAKEN_COLUMNS | GROUP_COLUMNS if design.has_groups else TAKEN_COLUMNS
     for section, levels in (("within", design.conditions[0].levels), ("between", design.cells[0].levels)):
         for factor in levels:
-            if factor in TAKEN_COLUMNS:
+            if factor in taken:
                 problem = "exported tables already have a column with this name"
                 yield design.fault(f"{section}.{factor}", problem, f"Write another name, such as {factor}_level")
 

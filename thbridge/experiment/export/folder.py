@@ -16,7 +16,7 @@ from thbridge.experiment.export.families.described import ExperimentTable
 from thbridge.experiment.export.manifest import MANIFEST, last_event_of, manifest_text, register_export
 from thbridge.experiment.export.methods.text import methods_text
 from thbridge.experiment.export.psych_ds import dataset_description, file_name, sidecar
-from thbridge.experiment.export.tables import ExperimentRecords, game_tables, log_tables, records_of
+from thbridge.experiment.export.tables import ExperimentRecords, game_tables, group_tables, log_tables, records_of
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.recordings import told_leftovers
 from thbridge.experiment.store.events import LogEntry
@@ -202,6 +202,8 @@ def _write_tables(records: ExperimentRecords, folder: Path) -> tuple[WrittenExpo
             written.notes.append(piece_or_note)
         else:
             _write(piece_or_note, title, (parquet, texts), written, tables)
+    for piece in group_tables(records):
+        _write(piece, title, (parquet, texts), written, tables)
     for files in (parquet, texts):
         files.finish(lambda *_: None)
     for table in tables.values():

@@ -1,7 +1,8 @@
 """The tables of an experiment: tables from its log, and tables from the recordings of its trials."""
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from thbridge.experiment.design.experiment_file import ExperimentDesign
@@ -11,6 +12,8 @@ from thbridge.experiment.export.families.decisions import decisions, decisions_o
 from thbridge.experiment.export.families.described import ExperimentTable
 from thbridge.experiment.export.families.forms import GivenScore, answers, given_scores, scores
 from thbridge.experiment.export.families.game_recording import RecordedTrial, read_game
+from thbridge.experiment.export.families.group_games import RecordedGroup, recorded_groups
+from thbridge.experiment.export.families.group_tables import groups, joint_decisions, seats, texts, votes
 from thbridge.experiment.export.families.log_events import log_events
 from thbridge.experiment.export.families.moves import dialogue_games, moves
 from thbridge.experiment.export.families.people import participants, steps
@@ -34,6 +37,7 @@ class ExperimentRecords:
         subjects: all attempts at steps.
         scores: all scores.
         trials: all games.
+        groups: games of groups, without their recordings.
         withdrawn: number of participants who withdrew. Their events are deleted.
     """
 
@@ -45,6 +49,7 @@ class ExperimentRecords:
     scores: tuple[GivenScore, ...]
     trials: tuple[Trial, ...]
     withdrawn: int = 0
+    groups: tuple[RecordedGroup, ...] = ()
 
     @property
     def runs(self) -> Collection[Run]:
@@ -80,9 +85,9 @@ def records_of(
     attempts = attempts_of(progress, events)
     subjects = tuple(AttemptSubject(progress.runs[person], each) for person, its in attempts.items() for each in its)
     given = tuple(given_scores(design, subjects))
-    return ExperimentRecords(
-        design, root, progress, events, subjects, given, tuple(trials_of(subjects, root)), withdrawn
-    )
+    games = tuple(trials_of(subjects, root))
+    groups = tuple(recorded_groups(progress.groups, progress.runs, events, games))
+    return ExperimentRecords(design, root, progress, events, subjects, given, games, withdrawn, groups)
 
 
 def _withdraws_before(entry: LogEntry, last: int) -> bool:
@@ -146,11 +151,35 @@ def game_tables(records: ExperimentRecords) -> Iterator[ExperimentTable | str]:
         yield from _of_game(records.design, recorded, scores_by.get(trial.run.participant, []))
 
 
+def group_tables(records: ExperimentRecords) -> Iterator[ExperimentTable]:
+    """Yield the tables of games of several people in pieces, game by game.
+
+    Notes about missing recordings are those of `game_tables`.
+    """
+    design = records.design
+    for group in records.groups:
+        game = group
+        if group.trial is not None and group.state is RecordingState.AS_RECORDED:
+            with suppress(BadFile):
+                game = group.recorded(read_game(ExperimentFolder(records.root).bag_named(group.trial.bag)))
+        yield groups(design, game)
+        yield seats(design, game)
+        yield texts(design, game)
+        yield joint_decisions(design, game)
+        yield votes(design, game)
+
+
 def _of_game(design: ExperimentDesign, trial: RecordedTrial, own: Sequence[GivenScore]) -> Iterator[ExperimentTable]:
     step = trial.attempt.step
     study = design.cells[trial.run.place.cell].studies[step.condition or 0]
     made = tuple(decisions_of(trial.recording, study.dialogue.planner))
-    figures = figures_of(trial.recording, made)
+    taken = trial.run.seats.get(step.number)
+    seat = "" if taken is None else taken.seat
+    if seat:
+        # In a game of several people, the rows of a person are about their own decisions and dialogues.
+        trial = replace(trial, recording=trial.recording.of_seat(seat))
+        made = tuple(each for each in made if each.seat == seat)
+    figures = figures_of(trial.recording, made, seat)
     yield decisions(design, trial, made)
     yield reliance(design, [reliance_of(design, trial.trial, made, own)])
     yield robots(design, trial, figures)

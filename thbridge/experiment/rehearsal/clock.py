@@ -9,16 +9,21 @@ BEGIN = datetime(2000, 1, 3, 9, tzinfo=UTC)
 
 
 class RehearsalClock:
-    """Clocks that advance only by `advance`, so that equal rehearsals have equal times."""
+    """Clocks that advance only on request, so that equal rehearsals have equal times."""
 
     def __init__(self) -> None:
-        self._seconds = 0.0
+        self.seconds = 0.0
+        """Time since the start of the rehearsal, s."""
 
     def advance(self, seconds: float) -> None:
         """Advance the clocks."""
-        self._seconds += seconds
+        self.seconds += seconds
+
+    def advance_to(self, seconds: float) -> None:
+        """Set the clocks to a time since the start of the rehearsal, s. A time in the past has no effect."""
+        self.seconds = max(self.seconds, seconds)
 
     def __call__(self) -> Clocks:
         """Return the current time."""
-        wall = BEGIN + timedelta(seconds=self._seconds)
-        return Clocks(wall.strftime("%Y-%m-%dT%H:%M:%SZ"), round(self._seconds * 1e9))
+        wall = BEGIN + timedelta(seconds=self.seconds)
+        return Clocks(wall.strftime("%Y-%m-%dT%H:%M:%SZ"), round(self.seconds * 1e9))

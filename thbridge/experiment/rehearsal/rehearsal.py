@@ -2,23 +2,28 @@
 
 import math
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
 from sim.numerics import elementary, noise
 from thbridge.app.compose.recording import build_writer
+from thbridge.app.compose.setting import StudySetting
 from thbridge.batch.hunt import play_hunt
+from thbridge.batch.measures import GameMeasures
 from thbridge.batch.settings import SettingCache
+from thbridge.dialogue.games.strategies import Attitude
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import ExperimentDesign
-from thbridge.experiment.design.plan import PlannedStep
+from thbridge.experiment.design.plan import PlannedStep, seats_of_game
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.groups import GroupGame
 from thbridge.experiment.progress import Run, options_shown
 from thbridge.experiment.rehearsal.clock import RehearsalClock
+from thbridge.experiment.rehearsal.group_rehearsal import Course, GroupRehearsal, last_moment, participants_of
 from thbridge.experiment.rehearsal.people import SimulatedPeople, normal
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.events import EventKind, JsonValue, RunState
@@ -26,6 +31,7 @@ from thbridge.experiment.trials import played, setting_of_trial
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.progress import Tell, untold
 from thbridge.recording.recordings import parts_of
+from thbridge.roles.shared.role import Role
 
 BETWEEN_PEOPLE, PRACTICE, PAUSE = 300.0, 120.0, 60.0
 """Durations in seconds: time between two people, practice game, pause."""
@@ -100,46 +106,83 @@ class Rehearsal:
         """
         conductor.rehearse(self._seed)
         conductor.listeners.append(self._may_crash)
+        if self._design.has_groups:
+            return self._run_together(conductor, tell)
         while True:
             # First finish the runs that a crash interrupted.
             for run in list(conductor.progress.runs.values()):
-                self.take_part(conductor, run)
-            done = sum(run.state is RunState.COMPLETE for run in conductor.progress.runs.values())
-            tell("people", done, self._design.file.quota * len(self._design.cells))
+                for seconds in self._course(conductor, None, run):
+                    self._clock.advance(seconds or 0.0)
+            self._report(conductor, tell)
             self._clock.advance(BETWEEN_PEOPLE)
             admitted = conductor.admit()
             if isinstance(admitted, NoPlace):
                 return admitted
 
-    def take_part(self, conductor: Conductor, run: Run) -> None:
-        """Simulate all remaining steps of a person."""
+    def _run_together(self, conductor: Conductor, tell: Tell) -> NoPlace:
+        """Let people take part in games of several people; see `run`."""
+        together = GroupRehearsal(
+            self._design, self._clock, self._people.between, self._course, self._play_together, self._leaves
+        )
+        return together.run(conductor, lambda: self._report(conductor, tell))
+
+    def _report(self, conductor: Conductor, tell: Tell) -> None:
+        tell("people", len(conductor.progress.valid), self._design.allocation.size)
+
+    def _course(self, conductor: Conductor, together: GroupRehearsal | None, run: Run) -> Course:
+        """Simulate all remaining steps of a person. Yield the time until the next event of the person, s.
+
+        Args:
+            conductor: conductor of the experiment.
+            together: the rehearsal of games of several people; None if all games have one participant.
+            run: run of the person.
+        """
         person = run.participant
         while (step := conductor.begin(person)) is not None:
             if self._draw() < self._people.drop_out:
                 conductor.leave(person, "left in a rehearsal")
                 break
+            if together is not None and seats_of_game(self._design, run.place, step):
+                yield from self._join(conductor, together, person, step)
+                now = conductor.progress.runs[person]
+                if now.state is RunState.UNDER_WAY and step.number not in now.missed:
+                    conductor.end(person, step)
+                continue
             match step.entry.step:
                 case StepKind.FORM | StepKind.CHECK:
-                    self._fill_in(conductor, person, step)
+                    yield from self._fill_in(conductor, person, step)
                 case StepKind.TRIAL:
-                    self._play(conductor, person, step)
+                    yield from self._play(conductor, person, step)
                 case StepKind.PRACTICE:
-                    self._clock.advance(PRACTICE)
+                    yield PRACTICE
                 case StepKind.PAUSE:
-                    self._clock.advance(PAUSE)
+                    yield PAUSE
                 case _:
-                    self._read(step)
+                    yield self._reading(step)
             conductor.end(person, step)
         while (step := conductor.debrief(person)) is not None:
-            self._read(step)
+            yield self._reading(step)
             conductor.end(person, step)
 
-    def _read(self, step: PlannedStep) -> None:
+    def _join(self, conductor: Conductor, together: GroupRehearsal, person: str, step: PlannedStep) -> Course:
+        """Let a person wait for a game of several people, and play it. After a crash, resume the person's seat."""
+        game = conductor.progress.group_game(person, step)
+        if game is None:
+            together.enter(person, step)
+        elif game.played is not None:
+            return
+        elif person not in game.present:
+            seat = conductor.progress.runs[person].seats[step.number].seat
+            conductor.change_seat(EventKind.SEAT_RESUMED, game, seat)
+        yield None
+
+    def _reading(self, step: PlannedStep) -> float:
+        """Return the time for reading a step's text, s."""
         text = step.entry.text
         words = 0 if text is None else len(read_text(self._design.path.parent / text).split())
-        self._clock.advance(60.0 * words / self._people.words_per_minute)
+        return 60.0 * words / self._people.words_per_minute
 
-    def _fill_in(self, conductor: Conductor, person: str, step: PlannedStep) -> None:
+    def _fill_in(self, conductor: Conductor, person: str, step: PlannedStep) -> Course:
         form = conductor.form(step)
         # A person has the same tendency in all conditions.
         manner = normal(noise.key(self._seed, "experiment", "manner", person, step.name))
@@ -151,17 +194,17 @@ class Rehearsal:
             conductor.tell(EventKind.ITEM_SHOWN, person, step, {**named, **options_shown(item)}, "program")
             limit = item.seconds or math.inf
             reading = min(60.0 * len(item.text.split()) / self._people.words_per_minute, limit)
-            self._clock.advance(reading)
+            yield reading
             conductor.tell(EventKind.ITEM_TOUCHED, person, step, named, "participant")
             answering = self._people.answering * elementary.exp(self._people.hesitation * self._normal())
-            self._clock.advance(min(answering, limit - reading))
+            yield min(answering, limit - reading)
             answer = self._people.answer(item, levels, manner, self._draw, self._normal)
             if reading + answering < limit:
                 conductor.tell(EventKind.ITEM_GIVEN, person, step, {**named, "answer": answer}, "participant")
             else:
                 conductor.tell(EventKind.ITEM_TIMED_OUT, person, step, {**named, "answer": None}, "program")
 
-    def _play(self, conductor: Conductor, person: str, step: PlannedStep) -> None:
+    def _play(self, conductor: Conductor, person: str, step: PlannedStep) -> Course:
         run = conductor.progress.runs[person]
         if not self._people.plays or run.game is not None:
             return
@@ -169,19 +212,51 @@ class Rehearsal:
         if setting is None:
             return
         if self._people.attitudes:
-            drawn = noise.uniform(noise.key(self._seed, "experiment", "attitude", person), 0, 0)
-            attitude = self._people.attitudes[int(drawn * len(self._people.attitudes))]
-            who = replace(setting.study.participant, attitude=attitude)
+            who = replace(setting.study.participant, attitude=self._attitude(person))
             setting = self._settings.of(replace(setting.study, participant=who))
-        bag = self._bag_of(person, step.number)
+        measures, bag = self._record(setting, person, step, step.entry.max_seconds, None)
+        yield measures.sim_seconds
+        conductor.tell(EventKind.GAME_PLAYED, person, step, played(measures, bag, self._root), "program")
+
+    def _play_together(
+        self, run: Run, step: PlannedStep, game: GroupGame, leaving: Mapping[str, float]
+    ) -> tuple[dict[str, JsonValue], float]:
+        """Play a game of several people; see `GamePlayer`."""
+        setting = setting_of_trial(self._design, self._settings, run, step)
+        if setting is None:
+            return {}, PRACTICE
+        if not self._people.plays:
+            return {}, 0.0
+        if self._people.attitudes:
+            people = game.people
+            seats = tuple(
+                replace(seat, attitude=self._attitude(people[seat.name])) if seat.name in people else seat
+                for seat in setting.study.seats
+            )
+            setting = self._settings.of(replace(setting.study, seats=seats))
+        participants = participants_of(setting, game, leaving, self._design.file.lobby.leaving)
+        seconds = last_moment(game, leaving, self._design.file.lobby.leaving, step.entry.max_seconds)
+        measures, bag = self._record(setting, game.group, step, seconds, participants)
+        return played(measures, bag, self._root), measures.sim_seconds
+
+    def _record(
+        self, setting: StudySetting, folder: str, step: PlannedStep, seconds: float, participants: Sequence[Role] | None
+    ) -> tuple[GameMeasures, Path]:
+        """Play and record a game; `folder` is the id of a person or group."""
+        bag = self._bag_of(folder, step.number)
         bag.parent.mkdir(parents=True, exist_ok=True)
         for part in parts_of(bag):
             part.unlink(missing_ok=True)
         with build_writer(setting, bag) as writer:
-            measures = play_hunt(setting, step.entry.max_seconds, [writer])
-        self._clock.advance(measures.sim_seconds)
-        data = played(measures, bag, self._root)
-        conductor.tell(EventKind.GAME_PLAYED, person, step, data, "program")
+            return play_hunt(setting, seconds, [writer], participants=participants), bag
+
+    def _attitude(self, person: str) -> Attitude:
+        drawn = noise.uniform(noise.key(self._seed, "experiment", "attitude", person), 0, 0)
+        return self._people.attitudes[int(drawn * len(self._people.attitudes))]
+
+    def _leaves(self, step: PlannedStep) -> float | None:
+        """Return the time at which a person leaves a game, s, or None."""
+        return self._draw() * step.entry.max_seconds if self._draw() < self._people.drop_out else None
 
     def _may_crash(self, _event: object) -> None:
         if self._people.crashes > 0.0 and self._draw() < self._people.crashes:

@@ -20,6 +20,7 @@ from thbridge.experiment.store.events import (
     NewEvent,
     StepOutcome,
 )
+from thbridge.hunt.seats import MOST_SEATS
 
 LARGEST_EVENT = 1 << 20
 """Largest size of an event, in bytes. The longest answer, with 20,000 characters, needs at most 120 kB."""
@@ -35,6 +36,7 @@ _Whole = Annotated[int, Meta(ge=-(2**63), le=2**63 - 1)]
 _Name = Annotated[str, Meta(max_length=LONGEST_NAME)]
 _Number = Annotated[float, Meta(ge=-LARGEST_ANSWER, le=LARGEST_ANSWER)]
 _WholeAnswer = Annotated[int, Meta(ge=-int(LARGEST_ANSWER), le=int(LARGEST_ANSWER))]
+_GroupId = Annotated[str, Meta(pattern=r"^G-[A-Z0-9]{1,20}\Z")]
 _Answer = None | bool | _WholeAnswer | _Number | str | list[str]
 
 
@@ -101,6 +103,20 @@ class _GamePlayed(Struct):
     most_lag_seconds: _Number | UnsetType = UNSET
     late_seconds: _Number | UnsetType = UNSET
     course: list[tuple[_Number, _Number]] | UnsetType = UNSET
+    group: _GroupId | UnsetType = UNSET
+    seat: _Name | UnsetType = UNSET
+
+
+class _GroupFormed(Struct):
+    group: _GroupId
+    seat: _Name
+    seats: Annotated[dict[_Name, Literal["person", "program", "empty"]], Meta(min_length=2, max_length=MOST_SEATS)]
+    waited_s: _Number = 0.0
+
+
+class _SeatChanged(Struct):
+    group: _GroupId
+    seat: _Name
 
 
 class _RecordingLeft(Struct):
@@ -154,6 +170,10 @@ _DATA: Mapping[str, type[Struct]] = {
     EventKind.GAME_PLAYED: _GamePlayed,
     EventKind.GAME_BROKEN_OFF: _RecordingLeft,
     EventKind.RECORDING_CUT_OFF: _RecordingLeft,
+    EventKind.GROUP_FORMED: _GroupFormed,
+    EventKind.SEAT_LEFT: _SeatChanged,
+    EventKind.SEAT_FILLED: _SeatChanged,
+    EventKind.SEAT_RESUMED: _SeatChanged,
     EventKind.STEP_ENDED: _StepEnded,
     EventKind.RUN_ENDED: _RunEnded,
     EventKind.RUN_EXCLUDED: _Reasoned,
@@ -163,7 +183,16 @@ _DATA: Mapping[str, type[Struct]] = {
     EventKind.NOTE: _Noted,
     WITHDRAWN: _Withdrawn,
 }
-_OF_A_STEP = frozenset({EventKind.STEP_BEGUN, EventKind.STEP_ENDED})
+_OF_A_STEP = frozenset(
+    {
+        EventKind.STEP_BEGUN,
+        EventKind.STEP_ENDED,
+        EventKind.GROUP_FORMED,
+        EventKind.SEAT_LEFT,
+        EventKind.SEAT_FILLED,
+        EventKind.SEAT_RESUMED,
+    }
+)
 """Kinds of events that always belong to a step."""
 
 _decoder = msgspec.json.Decoder(_Event)

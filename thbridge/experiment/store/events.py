@@ -112,11 +112,23 @@ class EventKind(StrEnum):
     WENT_BACK = "went-back"
     """A person went back to an earlier page of the current form. Data: `page`: the number of this page from 1."""
     GAME_PLAYED = "game-played"
-    """The game of a trial was played and recorded. Data: `bag`, `sha256`, and measures of the game."""
+    """The game of a trial was played and recorded. Data: `bag`, `sha256`, and measures of the game. In a game of
+    several people, each person of the game has this event, also with `group` and `seat`."""
     PRACTICE_PLAYED = "practice-played"
     """A practice game has ended. Data: amounts by `PracticeTerm`; `missing`: the unmet requirements."""
+    GROUP_FORMED = "group-formed"
+    """A person got a seat in a game of several people. The log gets these events of all people of a group at once.
+    Data: `group`: id of the group; `seat`; `seats`: for each seat of the game, its holder (person, program or empty);
+    `waited_s`: time in the lobby."""
+    SEAT_LEFT = "seat-left"
+    """A person left a game of several people, or was absent from it for too long. Their seat is empty. The event does
+    not name the person. Data: `group`, `seat`."""
+    SEAT_FILLED = "seat-filled"
+    """A program took a seat that a person had left. Data: `group`, `seat`."""
+    SEAT_RESUMED = "seat-resumed"
+    """A person came back to their seat. Data: `group`, `seat`."""
     STEP_ENDED = "step-ended"
-    """Data: `outcome`."""
+    """Data: `outcome`. For a game that was skipped because a person of the group had left, also `unmatched`: true."""
     RECRUITING_CODE = "recruiting-code"
     """A person has entered the code from a recruiting service. Data: `code`."""
     CONSENT_ANSWERED = "consent-answered"
@@ -153,7 +165,8 @@ class EventKind(StrEnum):
     """A person has closed the last page, which shows the completion code or the reason why the run ended."""
     RUN_ENDED = "run-ended"
     """Data: `outcome`, `reason`. For a complete run, also `code`: the completion code. For a complete run that does not
-    count, also `excluded`: the reason. For a person who was absent for too long, also `absent`: true.
+    count, also `excluded`: the reason. For a person who was absent for too long, also `absent`: true. For a person who
+    waited in vain for other people, also `unmatched`: true.
     If the experimenter ended the run and is known, also `author`."""
     RUN_EXCLUDED = "run-excluded"
     """The experimenter excluded a run. Data: `reason`; `author` if it is known."""

@@ -28,6 +28,7 @@ from thbridge.mavlink.role.speed_limit import SpeedLimit
 from thbridge.mavlink.role.station_texts import game_texts, handback_texts
 from thbridge.mavlink.role.trips import TripDispatcher, is_responding
 from thbridge.mavlink.values.vehicle_interface import (
+    PARTICIPANT,
     DenialKind,
     Denied,
     ParameterSettings,
@@ -139,7 +140,7 @@ class Pilot:
     def release(self) -> None:
         """See `VehicleInterface`."""
         self._ask(ReleaseCommand(self._robot))
-        self._new_holder = CommandHolder()
+        self._new_holder = CommandHolder(name="" if self._game is None else self._game.robots[self._robot].seat)
 
     # Driving
 
@@ -253,8 +254,9 @@ class Pilot:
             lost=output.estimate.lost,
             under_way=responsive and goal is not None,
             commander=holder.name if holder.by is Commander.GROUND_STATION else None,
-            commanded_by=_commander_text(CommandHolder() if robot is None else robot.command),
+            commanded_by=PARTICIPANT if robot is None else _commander_text(robot.command),
             leg=self._trips.leg,
+            participant=PARTICIPANT if robot is None else robot.seat or PARTICIPANT,
         )
 
     # Conditions
@@ -301,8 +303,8 @@ def _is_at_wall(floor: TraversabilityMap, row: int, col: int) -> bool:
 
 
 def _commander_text(command: CommandHolder) -> str:
-    """Return the name of a commander without an article."""
-    return command.name if command.by is Commander.GROUND_STATION else command.by.value
+    """Return the name of a commander without an article; for a participant with a seat, the name of the seat."""
+    return command.by.value if command.by is Commander.RESEARCHER else command.name or command.by.value
 
 
 _NO_GAME = Denied("The game has not begun yet.", DenialKind.NOT_NOW)

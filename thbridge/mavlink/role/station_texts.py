@@ -7,6 +7,7 @@ from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState, RoomState
 from thbridge.hunt.properties import properties_in_words
 from thbridge.hunt.rooms import Room
+from thbridge.hunt.seats import capitalized
 from thbridge.hunt.treasures import name_in_words
 
 
@@ -24,11 +25,11 @@ def game_texts(robot: int, before: GameState | None, now: GameState) -> Iterator
 
 
 def handback_texts(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:
-    """Yield the participant's requests since `before` to get a robot back from the ground station that commands it."""
+    """Yield the participants' requests since `before` to get a robot back from the ground station that commands it."""
     if before is None or now.robots[robot].holder.by is not Commander.GROUND_STATION:
         return
     if now.robots[robot].asked_back > before.robots[robot].asked_back:
-        yield f"The participant asks for {robot_name(robot)} back."
+        yield f"{capitalized(now.label_of(now.robots[robot].asked_by))} asks for {robot_name(robot)} back."
 
 
 def _room_news(state: GameState, room: Room, was: RoomState, now: RoomState) -> Iterator[str]:

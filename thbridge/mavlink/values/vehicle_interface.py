@@ -30,7 +30,7 @@ class Station:
 
 
 PARTICIPANT = "participant"
-"""Name of the participant in `RobotReadings.commanded_by`."""
+"""Name of the participant in `RobotReadings`, in a game with one participant."""
 
 
 class DenialKind(Enum):
@@ -112,12 +112,14 @@ class RobotReadings:
         lost: True if it does not know its position.
         under_way: True while it drives to a goal from any source.
         commander: the ground station that commands it, as text of `Station`. None if no station commands it.
-        commanded_by: its commander for people: "participant", "ground station 255", "researcher".
+        commanded_by: its commander for people: "participant", "ground station 255", "researcher"; in a game with
+            several seats, the name of a seat.
         leg: progress of the last `go_to`. None before the first `go_to`.
         announcements: texts of this tick for people at ground stations, about a reached room, a found treasure or a
             refusal by the game. Each text has at most about 100 characters.
         participant_requests: texts of this tick with the participant's requests to the station that commands the
             robot. Each text has at most about 100 characters.
+        participant: the participant who commands the robot when no other party commands it, as in `commanded_by`.
     """
 
     base_in_map: Pose2
@@ -133,6 +135,7 @@ class RobotReadings:
     leg: HelmLeg | None
     announcements: tuple[str, ...] = ()
     participant_requests: tuple[str, ...] = ()
+    participant: str = PARTICIPANT
 
 
 NO_READINGS = RobotReadings(

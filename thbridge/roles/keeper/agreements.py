@@ -64,6 +64,14 @@ class Agreements:
         """Remove an agreement, because it was carried out or its matter is open again."""
         self.all = tuple(consent for consent in self.all if (consent.robot, consent.matter) != (robot, matter))
 
+    def withdraw_name(self, room: Room, name: str) -> None:
+        """Remove an agreement on the name of the treasure in a room, or on any name of it."""
+        self.all = tuple(
+            consent
+            for consent in self.all
+            if (consent.matter, consent.room) != ("take-treasure", room.people) or consent.name not in {"", name}
+        )
+
     def drop_stale(self, state: GameState) -> None:
         """Remove agreements that can no longer be carried out."""
         self.all = tuple(

@@ -7,32 +7,33 @@ a crash cannot lose an event that another program already knows.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias, get_args
 
+from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.engine import DialogueEngine
 from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
-    DialogueOpened,
-    DialogueSaid,
     Event,
     GameStarted,
     JournalEntry,
-    KeyUsed,
+    JournalOnly,
+    TeamEntry,
 )
 from thbridge.hunt.game import GameState
 from thbridge.hunt.properties import TreasureProperty
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rules import MOST_ROBOTS
+from thbridge.hunt.seats import ONE_SEAT, Seat
 from thbridge.roles.keeper.advice.adviser import Adviser
 from thbridge.roles.keeper.advice.robot_knowledge import RobotKnowledge
 from thbridge.roles.keeper.disclosed.briefing import Briefing
-from thbridge.roles.keeper.disclosed.consent import ConsentAnswer, ConsentStatus
+from thbridge.roles.keeper.disclosed.consent import ConsentStatus
 from thbridge.roles.keeper.disclosed.debriefing import debrief_of
 from thbridge.roles.keeper.disclosed.disclosure import view_of
-from thbridge.roles.keeper.disclosed.participants import Participants
+from thbridge.roles.keeper.disclosed.seats import ParticipantSeat, view_of_seat
 from thbridge.roles.keeper.initiative import decide_alone, report_failures
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.keeper.programs import ConnectedHider, ConnectedTeam
@@ -44,7 +45,9 @@ from thbridge.roles.keeper.requests.station_requests import (
     return_robots,
     sense_for_stations,
 )
+from thbridge.roles.keeper.requests.team_requests import handle_team_request, propose, settle
 from thbridge.roles.keeper.requests.wizard import WizardState, handle_wizard_request, wizard_state
+from thbridge.roles.keeper.team.game_team import TeamRules
 from thbridge.roles.shared.notices import (
     KEEPER,
     ConsentQuery,
@@ -61,7 +64,20 @@ from thbridge.roles.shared.notices import (
 from thbridge.roles.shared.participant_lines import decode_request_line
 from thbridge.roles.shared.participant_rules import KeeperReason
 from thbridge.roles.shared.robot_requests import CommandRequest, GameRequest
-from thbridge.roles.shared.view import Debrief, DeclineConsent, GiveConsent, ParticipantRequest, PlayAgain
+from thbridge.roles.shared.seat_programs import seat_of, why_no_seat
+from thbridge.roles.shared.team_notices import MarkRead, ReportPresence, SayToPeople, Vote
+from thbridge.roles.shared.view import (
+    Debrief,
+    DeclineConsent,
+    EndGame,
+    GiveConsent,
+    IdentifyTreasure,
+    ParticipantRequest,
+    PlayAgain,
+    SendRobot,
+    SenseTreasure,
+    TakePicture,
+)
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
 from thbridge.text_protocol.wire.notice_format import (
@@ -73,7 +89,7 @@ from thbridge.text_protocol.wire.notice_format import (
     kind_of,
     parse_notice,
 )
-from thbridge.text_protocol.wire.router import Forwarded
+from thbridge.text_protocol.wire.router import Forwarded, NameRefusal
 
 KeeperNotice: TypeAlias = (
     RobotsReady
@@ -83,6 +99,7 @@ KeeperNotice: TypeAlias = (
     | HideTreasures
     | ParticipantReady
     | ParticipantFault
+    | ReportPresence
     | ConsentQuery
     | DeclineConsent
     | ParticipantRequest
@@ -91,6 +108,14 @@ KeeperNotice: TypeAlias = (
 
 KEEPER_NOTICES = NoticeDecoder[KeeperNotice](KeeperNotice)
 
+_BY_IMPORTANCE = (
+    ConsentStatus.DECLINED,
+    ConsentStatus.AWAITED,
+    ConsentStatus.NOT_ASKED,
+    ConsentStatus.GIVEN,
+    ConsentStatus.NOT_NEEDED,
+)
+_HAS_SEATS = RequestRefused(KeeperReason.HAS_SEATS, "This game has several seats, which programs of 2016 cannot take.")
 _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed to take part yet.")
 _WISHES = {kind_of(kind) for kind in get_args(ParticipantRequest)}
 _AFTER_AGREEING = _WISHES - {kind_of(GiveConsent)}
@@ -111,6 +136,8 @@ class GameRules:
         picture_cost: energy of taking a picture.
         identify_cost: energy of naming a treasure.
         wrong_share: points that a wrong name costs, as a share of the treasure's points.
+        seats: the seats; empty for a game with one participant.
+        team: rules for the participants of several seats.
     """
 
     seed: int
@@ -118,6 +145,8 @@ class GameRules:
     picture_cost: float
     identify_cost: float
     wrong_share: float
+    seats: tuple[Seat, ...] = ()
+    team: TeamRules = field(default_factory=TeamRules)
 
     def start(self, game: int, robots: int, costs: CostMatrix, properties: tuple[TreasureProperty, ...]) -> GameStarted:
         """Return the event that starts a game; see `GameStarted`."""
@@ -131,6 +160,7 @@ class GameRules:
             wrong_share=self.wrong_share,
             costs=costs,
             properties=properties,
+            seats=self.seats,
         )
 
 
@@ -174,7 +204,12 @@ class KeeperDecisions:
     @property
     def events(self) -> tuple[Event, ...]:
         """The events of the game, in order."""
-        return tuple(entry for entry in self.entries if not isinstance(entry, DialogueOpened | DialogueSaid | KeyUsed))
+        return tuple(entry for entry in self.entries if not isinstance(entry, JournalOnly))
+
+    @property
+    def team(self) -> tuple[TeamEntry, ...]:
+        """The texts and votes of participants, in order."""
+        return tuple(entry for entry in self.entries if isinstance(entry, TeamEntry))
 
 
 class Keeper:
@@ -214,7 +249,7 @@ class Keeper:
         self._rules = rules
         self._briefing = briefing or Briefing()
         knowledge = RobotKnowledge(adviser or Adviser(), self._briefing.kinds)
-        self._game = OpenGame(engine, last_game, self._briefing.room_names, knowledge)
+        self._game = OpenGame(engine, last_game, self._briefing.room_names, knowledge, rules.team)
         self._attention_timeout = attention_timeout
         self._game.restore(history)
         return_robots(self._game)
@@ -222,8 +257,7 @@ class Keeper:
         # The connected programs, with the last notices to them.
         self._team = ConnectedTeam(self._game)
         self._hider = ConnectedHider(self._game)
-        self._participants = Participants(KEEPER, self._briefing)
-        self._consent = ConsentAnswer(self._briefing.consent is not None)
+        self._seats = {seat.name: ParticipantSeat(seat, self._briefing) for seat in rules.seats or (ONE_SEAT,)}
         self._debrief: Debrief | None = None
         # Input and output of the current step, and the decisions of the last step.
         self._has_input = False
@@ -248,8 +282,17 @@ class Keeper:
 
     @property
     def consent(self) -> ConsentStatus:
-        """State of the participant's consent to take part."""
-        return self._consent.status(self.state)
+        """State of the participants' consent to take part; of several seats, the state that matters most."""
+        given = {place.consent.status(self.state) for place in self._seats.values()}
+        return next(status for status in _BY_IMPORTANCE if status in given)
+
+    def refused_name(self, program: str, extended: bool) -> NameRefusal | None:
+        """Return the reason why a program cannot have its name in this game, or None; see `NameRule`."""
+        reason = why_no_seat(program, self._rules.seats, extended)
+        if reason is None:
+            return None
+        answer = TextMessage.of(TextCommand.ERROR, self.name, program, f"refused: {reason}")
+        return NameRefusal(reason, answer if self._tells_refusals else None)
 
     def connected(self) -> None:
         """Do nothing. The other programs send notices to the keeper when they are connected."""
@@ -258,31 +301,59 @@ class Keeper:
         """Process the lines that were forwarded since the last step. Call this directly before `step`."""
         for item in forwarded:
             if item.message.sender == self.name and not item.delivered:
-                self._participants.note_unreachable(item.message.receiver)
+                for place in self._seats.values():
+                    place.participants.note_unreachable(item.message.receiver)
             if is_notice(item.message) or item.message.sender == self.name:
                 continue
             self._has_input = True
-            if item.message.sender == legacy.TABUI and not item.sender_extended:
-                self._consent.note_legacy()
-            last = self._game.refusal
-            self._handle_line(item)
-            refused = undone(item, self.state)
-            if self._game.refusal is not None and self._game.refusal is not last:
-                refused = RequestRefused(self._game.refusal.reason, self._game.refusal.sentence)
+            only = self._seats.get(ONE_SEAT.name)
+            if item.message.sender == legacy.TABUI and not item.sender_extended and only is not None:
+                only.consent.note_legacy()
+            refused = self._refused_line(item) if self._rules.seats else self._effect(item)
             if refused is not None:
                 self._note_refusal(item.message.sender, item.message.line().strip(), refused)
                 if self._tells_refusals and not item.sender_extended:
                     text = f"refused: {refused.sentence}"
                     self._outgoing.append(TextMessage.of(TextCommand.ERROR, self.name, item.message.sender, text))
 
+    def _refused_line(self, item: Forwarded) -> RequestRefused | None:
+        """Process a line in a game with several seats. Return the reason if it has no effect.
+
+        Lines of 2016 do not name their sender reliably. So requests in lines have no effect, and lines of programs of
+        2016 have none at all.
+        """
+        if not item.sender_extended or decode_request_line(item) is not None:
+            return _HAS_SEATS
+        refused = self._effect(item)
+        # SimR reports to a participant of 2016, who does not take part. The views contain these reports.
+        return None if item.message.receiver == legacy.TABUI else refused
+
+    def _effect(self, item: Forwarded) -> RequestRefused | None:
+        """Process a line. Return the reason if it has no effect."""
+        last = self._game.last_refusal
+        self._handle_line(item)
+        now = self._game.last_refusal
+        if now is not None and now is not last:
+            return RequestRefused(now.reason, now.sentence)
+        return undone(item, self.state)
+
+    def note_left(self, programs: Sequence[str]) -> None:
+        """Record that these programs were disconnected since the last step. Call this before `step`."""
+        if programs and self._rules.seats:  # In a game with one participant, no program needs to know.
+            self._has_input = True
+            for name in programs:
+                for place in self._seats.values():
+                    place.participants.note_unreachable(name)
+
     def _handle_line(self, item: Forwarded) -> None:
         if self.state is None:
             return
         # This is only for our own programs. The dialogues of programs of 2016 are internal, so the keeper does not know
         # their agreements.
-        ours = item.sender_extended and item.message.sender in self._participants
         request = decode_request_line(item)
-        if ours and request is not None and self._consent.awaited(self.state):
+        only = self._seats.get(ONE_SEAT.name)
+        ours = item.sender_extended and only is not None and item.message.sender in only.participants
+        if ours and only is not None and request is not None and only.consent.awaited(self.state):
             self._game.refuse(kind_of(type(request)), _BEFORE_AGREEING)
             return
         reply = self._legacy_lines.handle(self.state, item, needs_consent=ours)
@@ -297,7 +368,7 @@ class Keeper:
         """Run one tick; see `Role`."""
         if self._game.advance(tick):
             self._has_input = True
-        attended = self.consent.recordable and not self._participants.is_empty
+        attended = self.consent.recordable and self._is_joined
         timeout = self._attention_timeout
         if attended and timeout is not None and decide_alone(self._game, timeout):
             self._has_input = True
@@ -314,26 +385,30 @@ class Keeper:
             value = parse_notice(message)
             if isinstance(value, Notice):
                 self._has_input = True
-                last = self._game.refusal
+                last = self._game.last_refusal
                 self._handle_notice(value)
-                now = self._game.refusal
+                now = self._game.last_refusal
                 if value.kind in _WISHES and now is not None and now is not last:
                     self._note_refusal(value.sender, value.kind, RequestRefused(now.reason, now.sentence))
+        if self._game.team.decisions.open and settle(self._game, self._present, self._legacy_lines):
+            self._has_input = True
         # This comes after the messages, because a message of the same tick has the new prices of a stopped robot.
         report_failures(self._game)
         wizard = self.decisions.wizard
         # Without input, the state cannot have changed. Most ticks have no input.
         if self._has_input:
             self._has_input = False
+            if self.state is not None and self._rules.seats:
+                self._game.record(self._game.team.changes(self._present, self._game.tick / TICKS_PER_SECOND))
             if self.state is not None:
                 sense_for_stations(self._game, self.state)
             if self.state is not None:
                 # Wait only for the decisions of our own programs: programs of 2016 never leave a treasure.
-                awaits = not self._participants.is_empty
-                self._game.record(rules.ending(self.state, wait_for_decisions=awaits))
+                self._game.record(rules.ending(self.state, wait_for_decisions=self._is_joined))
             self._send_notices()
             wizard = wizard_state(self._game, self.state)
-        self._outgoing += self._participants.pieces(tick)
+        for place in self._seats.values():
+            self._outgoing += place.participants.pieces(tick)
         self.decisions = KeeperDecisions(
             self._game.take_entries(), self._game.take_utterances(), wizard, tuple(self._refusals)
         )
@@ -341,15 +416,42 @@ class Keeper:
         outgoing, self._outgoing = self._outgoing, []
         return outgoing
 
+    @property
+    def _present(self) -> list[str]:
+        """Seats whose participants are connected, and not away from their front ends."""
+        return [name for name, place in self._seats.items() if place.participants.is_present and not place.is_away]
+
+    @property
+    def _is_joined(self) -> bool:
+        """True if any of our own programs takes part as a participant."""
+        return any(not place.participants.is_empty for place in self._seats.values())
+
+    def _place_of(self, program: str) -> "ParticipantSeat | None":
+        """Return the seat of a program, or None."""
+        seat = seat_of(program, self._rules.seats)
+        return None if seat is None else self._seats[seat.name]
+
     def _note_refusal(self, program: str, asked: str, refused: RequestRefused) -> None:
         self._refusals.append(ProgramRefusal(program, asked[:_QUOTED], refused))
 
     # Notices to the keeper
 
     def _handle_notice(self, notice: Notice) -> None:
-        if not _is_from_its_program(notice) or self._is_turned_away(notice):
+        if not _is_from_its_program(notice):
             return
-        value, state = KEEPER_NOTICES.decode(notice), self.state
+        if notice.kind in _SAID_BY:
+            self._handle_program(notice)
+            return
+        place = self._place_of(notice.sender)
+        if place is None:
+            return  # This program has no seat.
+        with self._game.acting(place.seat.name):
+            if not self._is_turned_away(place, notice):
+                self._handle_participant(place, notice)
+
+    def _handle_program(self, notice: Notice) -> None:
+        """Process a notice of SimR or Hider."""
+        value = KEEPER_NOTICES.decode(notice)
         match value:
             case RobotsReady():
                 self._robots(notice.sender, value)
@@ -362,34 +464,58 @@ class Keeper:
                 self._send(legacy.HIDER, self._hider.request())
             case HideTreasures():
                 self._hider.hide(value)
-            case ParticipantReady(run):
-                self._consent.join(state, run)
-                for robot in range(0 if state is None else len(state.robots)):
-                    self._game.attend(robot)
-                self._outgoing += self._participants.join(notice.sender, self._team.map, run)
             case ConsentQuery():
                 self._send(notice.sender, self._team.permission(recordable=self.consent.recordable))
+            case _:
+                pass
+
+    def _handle_participant(self, place: ParticipantSeat, notice: Notice) -> None:
+        """Process a notice of a participant's program."""
+        value, state = KEEPER_NOTICES.decode(notice), self.state
+        match value:
+            case ParticipantReady(run):
+                place.consent.join(state, run)
+                place.is_away = False
+                for robot in range(0 if state is None else len(state.robots)):
+                    self._game.attend(robot)
+                self._outgoing += place.participants.join(notice.sender, self._team.map, run)
             case DeclineConsent():
-                self._consent.decline(state)
+                place.consent.decline(state)
             case GiveConsent():
-                self._game.record(self._consent.agree(state, value))
+                self._game.record(place.consent.agree(state, value))
             case PlayAgain(game):
                 self._play_again(game)
+            case ReportPresence(present):
+                place.is_away = not present
             case ParticipantFault() | None:
                 pass  # Faults are only recorded.
+            case RobotsReady() | TeamStatus() | MoveCosts() | HiderReady() | HideTreasures() | ConsentQuery():
+                pass  # Only SimR and Hider may send these.
+            case _ if state is None:
+                pass
+            case SayToPeople() | MarkRead() | Vote():
+                if self._rules.seats:
+                    handle_team_request(self._game, state, value, place.seat)
+            case SendRobot() | IdentifyTreasure() | EndGame() if self._rules.seats and propose(
+                self._game, state, value, place.seat, len(self._present), self._legacy_lines
+            ):
+                pass  # The others vote.
+            case SendRobot() | SenseTreasure() | TakePicture() | IdentifyTreasure():
+                if self._rules.seats:  # Without seats, these requests come as lines of 2016.
+                    self._legacy_lines.carry_out(state, value, place.seat)
             case _:
-                if state is not None:
-                    awaits = self._hider.awaits_treasures(state)
-                    handle_participant_request(self._game, state, value, awaits_treasures=awaits)
+                seat = place.seat if self._rules.seats else None
+                awaits = self._hider.awaits_treasures(state)
+                handle_participant_request(self._game, state, value, seat, awaits_treasures=awaits)
 
-    def _is_turned_away(self, notice: Notice) -> bool:
+    def _is_turned_away(self, place: ParticipantSeat, notice: Notice) -> bool:
         """Return True for a repeated request, or for a request before the participant's consent."""
         if self.state is None:
             return False
-        if notice.kind in _COUNTED_WISHES and self._participants.is_repetition(notice):
+        if notice.kind in _COUNTED_WISHES and place.participants.is_repetition(notice):
             # The first request was already granted or refused, and the view shows the result.
             return True
-        if notice.kind in _AFTER_AGREEING and self._consent.awaited(self.state):
+        if notice.kind in _AFTER_AGREEING and place.consent.awaited(self.state):
             self._game.refuse(notice.kind, _BEFORE_AGREEING)
             return True
         return False
@@ -417,7 +543,8 @@ class Keeper:
         # Consent and the commands of ground stations stay valid in the next game.
         former = self.state
         kept = () if former is None else kept_commands(former, robots)
-        self._game.record((started, *self._consent.first_events(former), *kept))
+        agreed = [event for place in self._seats.values() for event in place.first_events(former)]
+        self._game.record((started, *agreed, *kept))
         self._team.begin(started.game)
         self._send(legacy.HIDER, self._hider.request())
 
@@ -440,18 +567,30 @@ class Keeper:
         if state is not None:
             if robots_ready:
                 self._send(legacy.SIMR, self._team.orders(state, with_poses=False))
-            self._outgoing += self._participants.show(
-                view_of(
+            for place in self._seats.values():
+                view = view_of(
                     state,
                     self._game.dialogues,
-                    self._game.refusal,
+                    self._game.refusals.get(place.seat.name),
                     self._briefing,
                     robots_ready=robots_ready,
-                    asks=self._consent.awaited(state),
+                    asks=place.consent.awaited(state),
                     asked_back=self._game.handbacks.robots,
                     debrief=self._debriefed(state),
                 )
-            )
+                if self._rules.seats:
+                    talk = self._game.team.talk
+                    view = view_of_seat(
+                        view,
+                        state,
+                        place.seat,
+                        self._present,
+                        self._game.team.decisions,
+                        talk.read_until(place.seat.name),
+                        talk_is_open=talk.is_open(self._game.seconds),
+                    )
+                    self._outgoing += place.participants.show_talk(state.started.game, talk.lines_for(place.seat.name))
+                self._outgoing += place.participants.show(view)
         self._send(legacy.SIMR, self._team.changed_permission(recordable=self.consent.recordable))
 
     def _debriefed(self, state: GameState) -> Debrief | None:

@@ -8,6 +8,8 @@ from thbridge.dialogue.moves import Dialogue, Scenario
 from thbridge.dialogue.propositions import NextRoom
 from thbridge.dialogue.robot_arguments import WhatFacts, WhereFacts, is_decision, situation_of
 from thbridge.hunt.rooms import Room
+from thbridge.roles.keeper.agreements import MATTERS
+from thbridge.roles.shared.view import DialogueMatter
 
 
 class OpenDialogues:
@@ -43,6 +45,11 @@ class OpenDialogues:
         """Return the robot of the dialogue with this number, or None."""
         dialogue = self.numbered(number)
         return None if dialogue is None else dialogue.topic.robot
+
+    def matter_of(self, number: int) -> tuple[int, DialogueMatter] | None:
+        """Return the robot and the matter of the dialogue with this number, or None."""
+        dialogue = self.numbered(number)
+        return None if dialogue is None else (dialogue.topic.robot, MATTERS[dialogue.topic.scenario])
 
     def at_turn(self, number: int, turn: int) -> Dialogue | None:
         """Return the dialogue with this number if this is its next turn, otherwise None."""

@@ -1,6 +1,10 @@
 """The open game: its state, dialogues, last refusal, and the journal entries of the present step."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+
+from msgspec import structs
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.engine import DialogueEngine
@@ -8,12 +12,16 @@ from thbridge.dialogue.moves import Conclude, DialogueUtterance, Scenario, Speak
 from thbridge.dialogue.robot_arguments import WhereFacts
 from thbridge.hunt import game, rules
 from thbridge.hunt.events import (
+    DecisionOutcome,
+    DecisionSettled,
     DialogueOpened,
     DialogueSaid,
     GameStarted,
     JournalEntry,
     KeyUsed,
+    MoveFailed,
     RobotDeparted,
+    TeamEntry,
     TreasurePictured,
 )
 from thbridge.hunt.game import GameState
@@ -24,6 +32,7 @@ from thbridge.roles.keeper.advice.robot_knowledge import RobotKnowledge
 from thbridge.roles.keeper.dialogues import GameDialogues
 from thbridge.roles.keeper.handbacks import RecentHandbacks
 from thbridge.roles.keeper.moves import TeamMoves
+from thbridge.roles.keeper.team.game_team import GameTeam, TeamRules
 from thbridge.roles.shared.failure_reasons import CALLED_BACK
 from thbridge.roles.shared.view import RefusalView
 
@@ -38,6 +47,7 @@ class OpenGame:
         last_game: number of the last game.
         room_names: names of the map's rooms.
         knowledge: knowledge of robots.
+        team_rules: rules for the participants of a game with several seats.
 
     Attributes:
         state: state of the game; None before the first game.
@@ -48,7 +58,9 @@ class OpenGame:
         moves: moves of the robots.
         handbacks: robots that the participant has recently asked commanders to give back.
         knowledge: knowledge of robots.
-        refusal: the last refusal in this game, for the view.
+        team: the participants, with their texts and votes.
+        refusals: the last refusal of each seat in this game, for its view, by the seat's name.
+        last_refusal: the latest of these refusals.
     """
 
     def __init__(
@@ -57,6 +69,7 @@ class OpenGame:
         last_game: int,
         room_names: RoomNames,
         knowledge: RobotKnowledge,
+        team_rules: TeamRules | None = None,
     ) -> None:
         self._engine = engine
         self._room_names = room_names
@@ -66,17 +79,40 @@ class OpenGame:
         self.dialogues = GameDialogues(engine(last_game), room_names=room_names)
         self.moves = TeamMoves(0)
         self.handbacks = RecentHandbacks()
+        self._team_rules = team_rules or TeamRules()
+        self.team = GameTeam(self._team_rules)
         self.attended: dict[int, int] = {}
         self.tick = self._restored_until = 0
-        self.refusal: RefusalView | None = None
-        self._refusals = 0
+        self.refusals: dict[str, RefusalView] = {}
+        self.last_refusal: RefusalView | None = None
+        self._refusal_count = 0
+        self._seat = ""
+        self._stopped_by: dict[int, str] = {}
         self._entries: list[JournalEntry] = []
         self._utterances: list[DialogueUtterance] = []
 
     def advance(self, tick: int) -> bool:
-        """Set the current tick. Return True if the participant may now ask for a robot again."""
+        """Set the current tick.
+
+        Return True if participants may now ask for a robot again, or if the time for texts begins or ends.
+        """
+        was_open = self.team.talk.is_open(self.seconds)
         self.tick = self._restored_until + tick
-        return self.handbacks.advance(self.tick)
+        return self.handbacks.advance(self.tick) or self.team.talk.is_open(self.seconds) != was_open
+
+    @property
+    def seconds(self) -> float:
+        """Simulated time of the current tick, s."""
+        return self.tick / TICKS_PER_SECOND
+
+    @contextmanager
+    def acting(self, seat: str) -> Iterator[None]:
+        """Note in this context that the participant of a seat causes all events."""
+        self._gather_utterances()
+        self._seat = seat
+        yield
+        self._gather_utterances()
+        self._seat = ""
 
     def attend(self, robot: int) -> None:
         """Record the participant's attention to a robot."""
@@ -85,7 +121,7 @@ class OpenGame:
     def restore(self, history: Iterable[JournalEntry]) -> None:
         """Restore state and dialogues from the journal of an unfinished game, without recording entries again."""
         for entry in history:
-            if isinstance(entry, DialogueOpened):
+            if isinstance(entry, DialogueOpened | TeamEntry):
                 self.tick = self._restored_until = round(entry.at * TICKS_PER_SECOND)
             self._apply(entry, restored=True)
             if self.state is not None:
@@ -96,7 +132,7 @@ class OpenGame:
 
     def record(self, entries: Sequence[JournalEntry]) -> None:
         """Apply entries, and add them to the queue for the journal."""
-        for entry in entries:
+        for entry in map(self._signed, entries):
             self._gather_utterances()
             # Queue utterances first, so that the journal has the utterances of a dialogue directly after its opening.
             self._entries.append(entry)
@@ -104,12 +140,28 @@ class OpenGame:
         if entries and self.state is not None:
             self.dialogues.drop_stale(self.state)
 
+    def _signed(self, entry: JournalEntry) -> JournalEntry:
+        """Return an entry with the seat that causes it."""
+        seat = self._stopped_by.pop(entry.robot, "") if isinstance(entry, MoveFailed) else self._seat
+        return structs.replace(entry, seat=seat) if seat and "seat" in entry.__struct_fields__ else entry
+
     def _gather_utterances(self) -> None:
         """Add the utterances since the last call to the queue for the journal."""
-        fresh = self.dialogues.take_utterances()
+        fresh = [
+            replace(said, seat=self._seat) if said.speaker is Speaker.PERSON else said
+            for said in self.dialogues.take_utterances()
+        ]
         self._utterances += fresh
         self._entries += [
-            DialogueSaid(said.dialogue, said.index, said.speaker, said.author, move_text(said.move), said.text)
+            DialogueSaid(
+                said.dialogue,
+                said.index,
+                said.speaker,
+                said.author,
+                move_text(said.move),
+                said.text,
+                said.seat,
+            )
             for said in fresh
             # A conclusion is not a turn. The turns determine the conclusion.
             if not isinstance(said.move, Conclude)
@@ -123,10 +175,12 @@ class OpenGame:
         self.record(ruling)
         return True
 
-    def refuse(self, request: str, refused: RequestRefused) -> None:
-        """Store a refusal for the view."""
-        self._refusals += 1
-        self.refusal = RefusalView(self._refusals, request, refused.reason, refused.sentence)
+    def refuse(self, request: str, refused: RequestRefused, robot: int | None = None) -> None:
+        """Store a refusal for the view of the acting seat, or of the seat that commands this robot."""
+        self._refusal_count += 1
+        self.last_refusal = RefusalView(self._refusal_count, request, refused.reason, refused.sentence)
+        seat = self._seat if robot is None or self.state is None else self.state.robots[robot].seat
+        self.refusals[seat] = self.last_refusal
 
     def advice(self, state: GameState, robot: int) -> Advice | RequestRefused:
         """Return the present advice of a robot."""
@@ -141,6 +195,7 @@ class OpenGame:
 
         If SimR does not have the order for this move yet, the move ends now.
         """
+        self._stopped_by[robot] = self._seat
         if self.state is not None and not self.moves.is_ordered(robot):
             self.apply_ruling("Failed", rules.fail(self.state, robot, CALLED_BACK, 0.0))
         else:
@@ -161,6 +216,9 @@ class OpenGame:
     def _apply(self, event: JournalEntry, *, restored: bool = False) -> None:
         if isinstance(event, KeyUsed):
             return
+        if isinstance(event, TeamEntry):
+            self._note_team(event)
+            return
         if isinstance(event, DialogueOpened | DialogueSaid):
             if self.state is not None:
                 self._talk(self.state, event, restored=restored)
@@ -180,14 +238,29 @@ class OpenGame:
         if isinstance(robot, int):
             self.attend(robot)
 
+    def _note_team(self, entry: TeamEntry) -> None:
+        """Process an entry about participants. A vote without success also ends the agreement with the robot.
+
+        Otherwise the programs of participants would propose the same again at once.
+        """
+        if isinstance(entry, DecisionSettled) and entry.outcome is not DecisionOutcome.CARRIED:
+            proposed = self.team.decisions.proposed(entry.decision)
+            if proposed is not None and proposed.robot is not None:
+                self.dialogues.agreements.withdraw(proposed.robot, "select-room")
+            elif proposed is not None and proposed.room is not None:
+                self.dialogues.agreements.withdraw_name(proposed.room, proposed.name)
+        self.team.note(entry)
+
     def _begin(self, started: GameStarted) -> None:
         self.state = game.begin(started)
         self.last_game = started.game
         self.dialogues = GameDialogues(self._engine(started.game), self.dialogues.puppets, self._room_names)
         self.moves = TeamMoves(started.robots)
         self.handbacks = RecentHandbacks()
+        self.team = GameTeam(self._team_rules)
         self.knowledge.begin()
-        self.refusal = None
+        self.refusals, self.last_refusal = {}, None
+        self._stopped_by = {}
         self.attended = dict.fromkeys(range(started.robots), self.tick)
 
     def _talk(self, state: GameState, entry: DialogueOpened | DialogueSaid, *, restored: bool) -> None:

@@ -76,7 +76,7 @@ class ConnectedTeam:
                 stopping = game.moves.is_stopping(robot)
                 game.apply_ruling("Failed", rules.fail(game.state, robot, result.sentence, result.share))
                 if not stopping:
-                    game.refuse(kind_of(SendRobot), RequestRefused(KeeperReason.NO_PATH, result.sentence))
+                    game.refuse(kind_of(SendRobot), RequestRefused(KeeperReason.NO_PATH, result.sentence), robot)
         for robot, condition in enumerate(status.conditions):
             if game.state is not None:
                 game.apply_ruling("Reported", rules.report(game.state, robot, condition))

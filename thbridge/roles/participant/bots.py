@@ -7,22 +7,27 @@ from typing import Literal, TypeAlias
 
 from sim.numerics import noise
 from thbridge.dialogue.games.strategies import Attitude
-from thbridge.hunt.events import Condition
+from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.properties import Teller
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.reply_policy import Opinion, ReplyPolicy
+from thbridge.roles.shared.participant_rules import revealed
+from thbridge.roles.shared.seat_rights import why_not_allowed
+from thbridge.roles.shared.team_notices import DecisionView, Vote
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     Consent,
     DialogueView,
     EndGame,
     GiveConsent,
+    HandOver,
     IdentifyTreasure,
     LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
+    RequestHandback,
     RequestSuggestion,
     RobotView,
     RoomView,
@@ -30,6 +35,7 @@ from thbridge.roles.shared.view import (
     SendRobot,
     SenseTreasure,
     TakePicture,
+    TeamView,
     TellProperty,
     View,
 )
@@ -37,11 +43,17 @@ from thbridge.roles.shared.view import (
 STOP_PROBABILITY = 0.1
 """Probability that the `random` participant answers Stop."""
 MAX_ATTEMPTS = 3
-"""The bot gives up after this number of failed moves of a robot to a room, or failed dialogues about a treasure."""
+"""The bot gives up after this number of failed moves of a robot to a room, or failed dialogues or votes about a
+treasure."""
 TALKS_AS_USUAL, TALKS_ABOUT_ROOMS, MOST_TALKS = 2, 4, 6
 """Numbers of failed dialogues with a robot. After the first number, the bot no longer asks for advice. After the second
 number, it no longer chooses rooms itself, but asks for advice again and accepts all advice. After the third number, it
 no longer talks with the robot."""
+MOST_THOUGHTS = 4
+"""The bot looks at an open vote 1 to this number of times before it votes."""
+PATIENCE = 20
+"""Number of looks at an unchanged view after which a bot acts without its teammates. TabUI lets it look at each new
+view, and at least every `RETRY_PERIOD`."""
 DEAR = 2.0
 """A room is too expensive for a cautious participant if it costs more than this number of times the cheapest room."""
 
@@ -77,6 +89,11 @@ class Bot:
     it chooses another room. After some further dialogues, it follows the robot's advice. Finally, it stops talking with
     the robot.
 
+    In a game with several seats, the bot sends only requests that its seat may send. It names what the robots of other
+    seats have found, and leaves a treasure if no other participant finds out more about it for a time. It votes for
+    possible names, and for moves according to its attitude; it votes for the end of the game if it waits itself. A bot
+    without robots asks for a robot of a participant who has several; a bot with several robots hands one over if asked.
+
     Args:
         strategy: strategy for the choice of rooms.
         knowledge: knowledge of treasures.
@@ -108,6 +125,15 @@ class Bot:
         # By robot: rooms of failed dialogues since its last drive. None means a dialogue about advice.
         self._vain: dict[int, list[int | None]] = {}
         self._vain_matters: Counter[tuple[str, int]] = Counter()
+        # In a game with several seats: numbers of looks at treasures that others examine, and of
+        # looks without a request.
+        self._waited: Counter[tuple[int, int]] = Counter()
+        self._idle = 0
+        # Numbers of looks at open votes, the bot's own open proposals, and numbers of rejected names by room.
+        self._considered: Counter[int] = Counter()
+        self._proposals: dict[int, DecisionView] = {}
+        self._rejected_names: Counter[int] = Counter()
+        self._thoughts = noise.key(seed, "participant", "thoughts")
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
         """Return the next requests; see `Player`."""
@@ -117,6 +143,7 @@ class Bot:
             return (GiveConsent(),)
         self._count_failures(view)
         self._count_talks_in_vain(view)
+        self._count_votes_in_vain(view)
         requests: list[ParticipantRequest] = [
             self._answer(view, dialogue) for dialogue in view.dialogues if dialogue.choices
         ]
@@ -129,11 +156,17 @@ class Bot:
                     self._asked[robot.robot] = request
                 if isinstance(request, SelectRoom):
                     taken.add(request.room)
-        busy = any(robot.moving_to is not None or robot.has_other_commander for robot in view.robots)
-        waits = view.dialogues or view.thinking or busy
-        if not requests and view.robots and not waits:
-            return (EndGame(view.game),)
-        return requests
+        moves = any(robot.moving_to is not None for robot in view.robots)
+        is_busy = bool(requests) or moves
+        for_teammates = [] if view.team is None else self._for_teammates(view, view.team, is_busy=is_busy)
+        if is_busy or not view.robots or view.dialogues or view.thinking:
+            self._idle = 0
+            return [*for_teammates, *requests]
+        self._idle += 1
+        if any(robot.has_other_commander for robot in view.robots) and (view.team is None or self._idle < PATIENCE):
+            return for_teammates
+        end = EndGame(view.game)
+        return [*for_teammates, end] if _is_allowed(view, end) else for_teammates
 
     def _count_failures(self, view: View) -> None:
         """Count failed moves by robot and room. Record robots that are lost after a failed move."""
@@ -162,6 +195,53 @@ class Bot:
                 self._note_vain(self._asked.pop(robot.robot, None), robot.robot)
         self._talking = talking
 
+    def _count_votes_in_vain(self, view: View) -> None:
+        """Count the bot's proposals for which the others did not vote, like failed moves and failed dialogues."""
+        team = view.team
+        if team is None:
+            return
+        before, self._proposals = (
+            self._proposals,
+            {each.decision: each for each in team.decisions if each.seat == team.own.name},
+        )
+        for each in (each for number, each in before.items() if number not in self._proposals):
+            match each:
+                case DecisionView(kind="send", robot=int(robot), room=int(room)):
+                    if view.robots[robot].moving_to != room and view.room(room).state == "unvisited":
+                        self._failed_moves[robot, room] += 1
+                case DecisionView(kind="name", room=int(room)):
+                    self._rejected_names[room] += view.room(room).undecided
+                case _:
+                    self._idle = 0
+
+    def _for_teammates(self, view: View, team: TeamView, *, is_busy: bool) -> list[ParticipantRequest]:
+        """Return the requests to the other participants: votes, and robots to hand over or to ask for."""
+        requests: list[ParticipantRequest] = []
+        for each in team.decisions:
+            if team.own.name not in {each.seat, *(vote.seat for vote in each.votes)}:
+                self._considered[each.decision] += 1
+                if self._considered[each.decision] > MOST_THOUGHTS * noise.uniform(self._thoughts, each.decision, 0):
+                    requests.append(Vote(each.decision, agrees=self._agrees(view, each, is_busy=is_busy)))
+        own = [robot.robot for robot in view.robots if not robot.has_other_commander]
+        able = {mate.seat.name for mate in team.teammates if mate.seat.takes_over}
+        for robot, seat in team.asked_for:
+            if seat in able and len(own) > 1 and robot in own:
+                own.remove(robot)
+                requests.append(HandOver(robot, seat))
+        if not own and team.own.takes_over:
+            requests += _asked_robot(view, team)
+        return requests
+
+    def _agrees(self, view: View, decision: DecisionView, *, is_busy: bool) -> bool:
+        """Return True if the bot votes for a decision of a teammate."""
+        match decision:
+            case DecisionView(kind="send", robot=int(robot), room=int(room)):
+                return self._replies.agrees(decision.decision, is_dear=self._is_dear(view, view.robots[robot], room))
+            case DecisionView(kind="name", room=int(room)):
+                return decision.name in self._names(view.room(room))
+            case _:
+                return not is_busy
+
     def _note_vain(self, asked: "_TalkRequest | None", robot: int) -> None:
         match asked:
             case SelectRoom(room=room):
@@ -181,8 +261,16 @@ class Bot:
             return
         room = next((room for room in view.rooms if _waits_for(robot, room)), None)
         if room is not None:
-            yield self._treasure(view, robot, room, {consent.matter for consent in agreed if consent.room == room.room})
-            return
+            matters: set[str] = {consent.matter for consent in agreed if consent.room == room.room}
+            asked = self._treasure(view, robot, room, matters)
+            if _is_allowed(view, asked):
+                yield asked
+                return
+            if room.found and _is_allowed(view, LeaveTreasure(room.room)):
+                self._waited[room.room, len(room.known)] += 1
+                if self._waited[room.room, len(room.known)] >= PATIENCE:
+                    yield LeaveTreasure(room.room)
+                return
         if robot.moving_to is not None or robot.has_other_commander:
             return
         for consent in agreed:
@@ -239,21 +327,31 @@ class Bot:
         if dialogue.matter != "select-room":
             return Opinion(is_own=True)
         robot = view.robots[dialogue.robot]
-        matters: Sequence[DialogueView | Consent] = (*view.dialogues, *view.consents)
-        others = {item.room for item in matters if item.robot != dialogue.robot}
-        costs = view.costs_from(robot)
-        cost = costs[dialogue.room]
-        cheapest = min((costs[room] or 0.0 for room in self._affordable(view, robot, others)), default=0.0)
+        cost, cheapest = view.costs_from(robot)[dialogue.room], self._cheapest(view, robot)
         asked = self._asked.get(dialogue.robot)
         return Opinion(
             is_own=asked == SelectRoom(dialogue.robot, dialogue.room),
             is_liked=cost is not None and cost <= cheapest,
-            is_dear=cost is None or cost > DEAR * cheapest,
+            is_dear=self._is_dear(view, robot, dialogue.room),
         )
+
+    def _cheapest(self, view: View, robot: RobotView) -> float:
+        """Return the smallest cost of a move to a room that no other robot discusses."""
+        matters: Sequence[DialogueView | Consent] = (*view.dialogues, *view.consents)
+        others = {item.room for item in matters if item.robot != robot.robot}
+        costs = view.costs_from(robot)
+        return min((costs[room] or 0.0 for room in self._affordable(view, robot, others)), default=0.0)
+
+    def _is_dear(self, view: View, robot: RobotView, room: int) -> bool:
+        """Return True if a room costs a robot much more than another room."""
+        cost = view.costs_from(robot)[room]
+        return cost is None or cost > DEAR * self._cheapest(view, robot)
 
     def _treasure(self, view: View, robot: RobotView, room: RoomView, agreed: set[str]) -> ParticipantRequest:
         if not room.found:
             return SenseTreasure(room.room)
+        if self._rejected_names[room.room] >= MAX_ATTEMPTS:
+            return LeaveTreasure(room.room)
         name = self._name(room)
         if room.picture is not None and name is not None and (entered := self._entered(view, room, name)) is not None:
             return entered
@@ -284,10 +382,15 @@ class Bot:
 
     def _name(self, room: RoomView) -> str | None:
         """Return the name of the treasure in a room, or None if several names are possible."""
+        names = self._names(room)
+        return names.pop() if len(names) == 1 else None
+
+    def _names(self, room: RoomView) -> set[str]:
+        """Return the possible names of the treasure in a room. If a picture is unknown, there are none."""
         if room.picture is not None:
-            return self._knowledge.shown_by.get(room.picture)
-        fitting = {kind.name for kind in self._fitting(room)}
-        return fitting.pop() if len(fitting) == 1 else None
+            shown = self._knowledge.shown_by.get(room.picture)
+            return set() if shown is None else {shown}
+        return {kind.name for kind in self._fitting(room)}
 
     def _fitting(self, room: RoomView) -> list[TreasureKind]:
         """Return the kinds of treasures with all known properties of the treasure in a room."""
@@ -322,6 +425,23 @@ class Bot:
 
 _TalkRequest: TypeAlias = SelectRoom | RequestSuggestion | OpenDialogue
 """Request that opens a dialogue."""
+
+
+def _is_allowed(view: View, request: ParticipantRequest) -> bool:
+    """Return True if the bot's seat may send a request."""
+    if view.team is None:
+        return True
+    return why_not_allowed(revealed(view).state, view.team.own, request) is None
+
+
+def _asked_robot(view: View, team: TeamView) -> Iterator[RequestHandback]:
+    """Yield the request for a robot of a teammate who is present and commands several robots."""
+    present = {mate.seat.label for mate in team.teammates if mate.present}
+    robots = [robot for robot in view.robots if robot.commander is Commander.TEAMMATE]
+    commanded = Counter(robot.commander_name for robot in robots)
+    spare = [robot for robot in robots if robot.commander_name in present and commanded[robot.commander_name] > 1]
+    if spare and not spare[-1].asked_back:
+        yield RequestHandback(spare[-1].robot)
 
 
 def _waits_for(robot: RobotView, room: RoomView) -> bool:

@@ -16,7 +16,8 @@ QUESTION_PROBABILITY = 0.2
 REJECTION_PROBABILITY = 0.5
 """Probability that a sceptic rejects a claim after hearing reasons, and probability of not giving in at the end."""
 STOP_PROBABILITY = 0.3
-"""Probability that a sceptic stops a robot that asks scripted questions, if the sceptic did not choose the room."""
+"""Probability that a sceptic stops a robot that asks scripted questions, if the sceptic did not choose the room. Also
+probability that a sceptic votes against another participant's move."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +71,22 @@ class ReplyPolicy:
         # A sceptic chooses randomly among equal acts, for example among reasons. Other participants choose the first.
         varies = self.attitude is Attitude.SCEPTICAL
         return found[int(self._uniform("reasons", dialogue) * len(found))] if varies else found[0]
+
+    def agrees(self, decision: int, *, is_dear: bool) -> bool:
+        """Return True to vote for another participant's move.
+
+        Args:
+            decision: number of the decision.
+            is_dear: True if the move costs much more than another move.
+        """
+        match self.attitude:
+            case Attitude.CAUTIOUS:
+                return not is_dear
+            case Attitude.SCEPTICAL:
+                votes = noise.key(self.seed, "participant", "votes")
+                return noise.uniform(votes, decision, 0) >= STOP_PROBABILITY
+            case _:
+                return True
 
     def _sceptical(self, dialogue: DialogueView, is_own: bool) -> tuple[str, ...]:
         """Return a sceptic's preferred acts, in order of preference."""

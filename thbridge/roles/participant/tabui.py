@@ -1,6 +1,6 @@
 """TabUI: the program of a participant. The participant may be a person or simulated."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol, TypeAlias, assert_never
 
 from sim.common.observations import TICKS_PER_SECOND
@@ -18,6 +18,8 @@ from thbridge.roles.shared.notices import (
     Subscribe,
 )
 from thbridge.roles.shared.participant_lines import encode_request_line
+from thbridge.roles.shared.seat_programs import program_of
+from thbridge.roles.shared.team_notices import ReportPresence, TeamTalk
 from thbridge.roles.shared.view import (
     DeclineConsent,
     GiveConsent,
@@ -44,7 +46,7 @@ The server closes connections that are interrupted for this time.
 RENEWAL_PERIOD = 3 * TICKS_PER_SECOND
 """Number of ticks between two subscriptions. They are repeated for the case that SimR was restarted."""
 
-ParticipantUpdate: TypeAlias = View | GameTexts | FloorPlan | PicturePiece | PoseTelemetry | PlannedPaths
+ParticipantUpdate: TypeAlias = View | TeamTalk | GameTexts | FloorPlan | PicturePiece | PoseTelemetry | PlannedPaths
 """A notice to the participant's program."""
 
 _UPDATES = NoticeDecoder[ParticipantUpdate](ParticipantUpdate)
@@ -77,16 +79,18 @@ class TabUI:
         first_number: number of the first request. It is random if another program with the same run id may follow, such
             as a window that is opened again. With a random number, the keeper does not count
             new requests as repetitions.
+        seat: name of the participant's seat; empty in a game with one participant.
+        talk: function that receives the texts between participants. If None, the player does not use them.
 
     Attributes:
+        name: name of the program.
         view: the latest view, or None before the first view.
         room_names: room names of the game's map. Empty before the keeper has sent them.
         texts: texts of the game's language. None before the keeper has sent them.
         run: id of this run of the program; see `ParticipantReady`.
         declined: True if the participant has declined to take part. Then this program must leave.
+        present: False while the participant is away from their front end; only a game with several seats needs it.
     """
-
-    name = legacy.TABUI
 
     def __init__(
         self,
@@ -94,15 +98,21 @@ class TabUI:
         observer: ParticipantObserver | None = None,
         consent: GiveConsent | None = None,
         first_number: int = 1,
+        seat: str = "",
+        talk: Callable[[TeamTalk], None] | None = None,
     ) -> None:
+        self.name = program_of(seat)
+        self._seat = seat
         self._player = player
         self._observer = observer
+        self._talk = talk
         self._consent = consent
         self.view: View | None = None
         self.room_names = RoomNames()
         self.texts: Texts | None = None
         self.run = ""
         self.declined = False
+        self.present = self._shown_present = True
         self._introduce = False
         self._renew_at: int | None = None
         # For each present request of the player: its number, and the last tick for this number. Then the tick at which
@@ -139,6 +149,9 @@ class TabUI:
                     self.room_names = update.room_names
                 case GameTexts():
                     self.texts = update.texts() or self.texts
+                case TeamTalk():
+                    if self._talk is not None:
+                        self._talk(update)
                 case PicturePiece() | PoseTelemetry() | PlannedPaths() | None:
                     pass  # Only the observer uses these notices.
                 case _:
@@ -152,8 +165,12 @@ class TabUI:
             self._sent = dict.fromkeys(self._sent, tick + REJOIN_PERIOD - RETRY_PERIOD)
             self._next_poll = min(self._next_poll, tick + REJOIN_PERIOD)
             if self._consent is not None:
-                outgoing.append(encode_request_line(self._consent))
+                outgoing.append(encode_request_line(self._consent, seat=self._seat))
             outgoing.append(encode_notice(self.name, KEEPER, ParticipantReady(self.run)))
+            self._shown_present = True
+        if self._seat and self.present != self._shown_present:
+            self._shown_present = self.present
+            outgoing.append(encode_notice(self.name, KEEPER, ReportPresence(self.present)))
         if self._observer is not None and self._renew_at is not None and tick >= self._renew_at:
             self._renew_at = tick + RENEWAL_PERIOD
             outgoing.append(encode_notice(self.name, legacy.SIMR, Subscribe()))
@@ -175,7 +192,7 @@ class TabUI:
         for request in due:
             self._sent[request] = tick
         self._next_poll = min(self._sent.values(), default=tick) + RETRY_PERIOD
-        return [*reported, *(encode_request_line(request, self._numbers[request][0]) for request in due)]
+        return [*reported, *(encode_request_line(request, self._numbers[request][0], self._seat) for request in due)]
 
     def _fresh_number(self, tick: int) -> tuple[int, int]:
         self._last_number += 1

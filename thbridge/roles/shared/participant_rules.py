@@ -19,13 +19,16 @@ from thbridge.hunt.events import Commander, EndReason, GameEnded, GameStarted
 from thbridge.hunt.game import CommandHolder, GameState, RobotState, RoomState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
+from thbridge.hunt.seats import Seat
 from thbridge.hunt.tour import why_no_tour
 from thbridge.hunt.treasures import TreasureKind
+from thbridge.roles.shared.seat_rights import why_not_allowed
 from thbridge.roles.shared.view import (
     Consent,
     DialogueMatter,
     DialogueView,
     EndGame,
+    HandOver,
     LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
@@ -51,6 +54,7 @@ JudgedRequest: TypeAlias = (
     | EndGame
     | StopRobot
     | RequestHandback
+    | HandOver
 )
 
 
@@ -63,6 +67,11 @@ class KeeperReason(StrEnum):
     NO_PATH = "no-path"
     NOT_AGREED = "not-agreed"
     STOPPED = "stopped"
+    HAS_SEATS = "has-seats"
+    TALK_IS_OFF = "talk-is-off"
+    TOO_LONG = "too-long"
+    TOO_MANY = "too-many"
+    NOT_AGREED_ON = "not-agreed-on"
 
 
 class Discussed(NamedTuple):
@@ -81,16 +90,21 @@ class Situation:
         state: state of the game.
         discussed: matters of open dialogues, followed by matters of agreements.
         awaits_treasures: True if Hider has not hidden the treasures yet. Then no robot is sent.
+        seat: seat of the participant who asks; None in a game with one participant.
     """
 
     state: GameState
     discussed: tuple[Discussed, ...]
     awaits_treasures: bool = False
+    seat: Seat | None = None
 
 
 def judge(now: Situation, request: JudgedRequest) -> rules.Ruling:
     """Return the events of a request, or a refusal. For a new dialogue, return the events after an agreement."""
     state = now.state
+    refused = None if now.seat is None else why_not_allowed(state, now.seat, request)
+    if refused is not None:
+        return refused
     match request:
         case SelectRoom(robot, room):
             return _select(now, robot, place(room))
@@ -111,7 +125,9 @@ def judge(now: Situation, request: JudgedRequest) -> rules.Ruling:
         case StopRobot(robot):
             return _stop_robot(state, robot)
         case RequestHandback(robot):
-            return rules.request_handback(state, robot)
+            return rules.request_handback(state, robot, "" if now.seat is None else now.seat.name)
+        case HandOver(robot, seat):
+            return rules.hand_over(state, robot, seat)
 
 
 def other_candidate(discussed: Sequence[Discussed], room: Room, robot: int) -> int | None:
@@ -136,6 +152,7 @@ def revealed(view: View) -> Situation:
     Data that the view does not contain are empty. The rules in this module do not use them.
     """
     matters: list[DialogueView | Consent] = [*view.dialogues, *view.consents]
+    team = view.team
     started = GameStarted(
         seed=0,
         game=view.game,
@@ -146,6 +163,7 @@ def revealed(view: View) -> Situation:
         wrong_share=0.0,
         costs=CostMatrix.of_plain(view.costs),
         properties=view.properties,
+        seats=() if team is None else (team.own, *(mate.seat for mate in team.teammates)),
     )
     state = GameState(
         started=started,
@@ -160,7 +178,8 @@ def revealed(view: View) -> Situation:
         agreed=view.consent is None,
         by_position=view.by_position,
     )
-    return Situation(state, tuple(Discussed(about.robot, about.matter, about.room) for about in matters))
+    discussed = tuple(Discussed(about.robot, about.matter, about.room) for about in matters)
+    return Situation(state, discussed, seat=None if team is None else team.own)
 
 
 def _select(now: Situation, robot: int, room: Room) -> rules.Ruling:
@@ -198,12 +217,16 @@ def _discuss(state: GameState, robot: int, matter: str, room: Room) -> rules.Rul
 def _stop_robot(state: GameState, robot: int) -> rules.Ruling:
     if not state.has_robot(robot) or state.robots[robot].bound_for is None:
         return rules.fail(state, robot, "", 0.0)
+    # The seats' rights to stop each other's robots come before.
+    if state.robots[robot].command.by is Commander.TEAMMATE:
+        return ()
     return rules.commanded_by_other(state, robot, Commander.PARTICIPANT) or ()
 
 
 def _robot(view: View, robot: RobotView) -> RobotState:
     going = robot.moving_to
-    command = CommandHolder(robot.commander, robot.commander_name)
+    is_own = robot.commander is Commander.PARTICIPANT and view.team is not None
+    command = CommandHolder(robot.commander, view.team.own.name if is_own and view.team else robot.commander_name)
     intervenes = robot.commander is Commander.RESEARCHER
     return RobotState(
         at=Room(robot.place),

@@ -13,7 +13,9 @@ import msgspec
 
 from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.properties import OF_2016, Properties, TreasureProperty
+from thbridge.hunt.seats import Seat
 from thbridge.hunt.treasures import name_in_words
+from thbridge.roles.shared.team_notices import DecisionView, MarkRead, SayToPeople, SettledView, Vote
 from thbridge.text_protocol.wire.notice_format import COUNTED, Notice, NoticeValue, decode_notice, kind_of
 
 
@@ -29,7 +31,7 @@ class RobotView:
         blocked: True if the robot has no energy and cannot act any more.
         condition: well, lost or silent. A silent robot cannot act until it responds again.
         commander: commander of the robot. If this is not the participant, they can neither send nor stop the robot.
-        commander_name: name of the commanding ground station, for people; otherwise empty.
+        commander_name: name of the commanding ground station or seat, for people; otherwise empty.
         asked_back: True if the participant has recently asked the commander to give the robot back. Then they cannot
             ask again.
         costs: energy to each place from the robot's position, like a row of the view's costs. If empty, use the row of
@@ -220,6 +222,44 @@ class RefusalView:
     sentence: str
 
 
+@dataclass(frozen=True, slots=True)
+class Teammate:
+    """Another seat of the game.
+
+    Attributes:
+        seat: the seat, with its rights.
+        present: True if its participant is connected, and not away from their front end.
+    """
+
+    seat: Seat
+    present: bool
+
+
+@dataclass(frozen=True, slots=True)
+class TeamView:
+    """Seats of a game, as a participant sees them.
+
+    Attributes:
+        own: the participant's own seat.
+        teammates: the other seats.
+        asked_for: robots of this seat that another seat asks for: index of the robot, and the name of that seat.
+        partners: dialogues of other seats: number of the dialogue, and the name of that seat.
+        decisions: open votes.
+        talk_is_open: True if participants may send texts to each other now.
+        read: number of the last text that a program of this seat has shown; 0 before the first.
+        settled: the last votes that have ended, oldest first.
+    """
+
+    own: Seat
+    teammates: tuple[Teammate, ...]
+    asked_for: tuple[tuple[int, str], ...] = ()
+    partners: tuple[tuple[int, str], ...] = ()
+    decisions: tuple[DecisionView, ...] = ()
+    talk_is_open: bool = False
+    read: int = 0
+    settled: tuple[SettledView, ...] = ()
+
+
 class View(NoticeValue, frozen=True, tag="View"):
     """All game data that the participant may see.
 
@@ -251,7 +291,12 @@ class View(NoticeValue, frozen=True, tag="View"):
         has_last_word: the side with the last word in dialogues with arguing robots, otherwise None.
         by_position: True if the price of a move from outside the rooms depends on the robot's position. Then the row of
             the corridor is not used.
+        team: the seats of the game; None if there is only one participant. In the view of a seat, the robots of other
+            seats have the commander `TEAMMATE`. For a seat that does not see the energy, each energy is 1, or 0 if it
+            is used up, and each cost is 0. For a seat that does not see the score, all points are 0.
     """
+
+    OMITTED = frozenset({"team"})
 
     game: int
     ready: bool
@@ -277,6 +322,7 @@ class View(NoticeValue, frozen=True, tag="View"):
     last_words: tuple[LastWords, ...] = ()
     has_last_word: Literal["both", "participant", "robot"] | None = None
     called: Mapping[str, str] = msgspec.field(default_factory=dict)
+    team: TeamView | None = None
 
     def word_for(self, name: str) -> str:
         """Return the words for a treasure's name that the participant sees."""
@@ -369,9 +415,16 @@ class StopRobot(NoticeValue, frozen=True, tag="CallBack"):
 
 
 class RequestHandback(NoticeValue, frozen=True, tag="AskBack"):
-    """Ask the commander of a robot to give the robot back."""
+    """Ask the commander of a robot to give the robot back. The commander may be another seat."""
 
     robot: int
+
+
+class HandOver(NoticeValue, frozen=True, tag="HandOver"):
+    """Hand over the command of a robot to another seat, whose name is given."""
+
+    robot: int
+    seat: str
 
 
 class SenseTreasure(NoticeValue, frozen=True, tag="Sense"):
@@ -471,6 +524,7 @@ ParticipantRequest = (
     | SendRobot
     | StopRobot
     | RequestHandback
+    | HandOver
     | SenseTreasure
     | OpenDialogue
     | TakePicture
@@ -481,6 +535,9 @@ ParticipantRequest = (
     | PlayAgain
     | MeasureProperty
     | TellProperty
+    | SayToPeople
+    | MarkRead
+    | Vote
 )
 
 

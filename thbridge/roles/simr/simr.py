@@ -11,6 +11,7 @@ from sim.robot.navigator.goals import Goal
 from sim.team import TeamSnapshot
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
+from thbridge.hunt.seats import Seat
 from thbridge.roles.shared.notices import (
     KEEPER,
     SIMR_NOTICES,
@@ -26,6 +27,7 @@ from thbridge.roles.shared.notices import (
 )
 from thbridge.roles.shared.robot_requests import RobotRequest, Tuning
 from thbridge.roles.shared.robots_role import RobotsRole
+from thbridge.roles.shared.seat_programs import seat_of
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS, RobotControls
 from thbridge.roles.simr.game_moves import GameMap, MovePrices, MovesInProgress
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions, TelemetryPublisher
@@ -69,6 +71,9 @@ class SimR(RobotsRole):
         dialect: the interpretation of `%%goto` that is tried first.
         response_timeout: number of ticks without observations after which a robot counts as silent and its move fails.
         telemetry: options of pose telemetry.
+        seats: seats of the game; empty for a game with one participant. In a game with several seats, lines of 2016
+            have no effect, because they do not name their sender reliably. Only seats that see the map receive pose
+            telemetry.
 
     Attributes:
         snapshot: the team after the last step, or None before the first step.
@@ -85,7 +90,9 @@ class SimR(RobotsRole):
         dialect: Dialect = Dialect.LEGACY_2016,
         response_timeout: int = RESPONSE_TIMEOUT,
         telemetry: TelemetryOptions | None = None,
+        seats: Sequence[Seat] = (),
     ) -> None:
+        self._seats = tuple(seats)
         self._team = robots
         self._controls = RobotControls(robots)
         self._game_map = game_map
@@ -151,6 +158,8 @@ class SimR(RobotsRole):
         match message.command:
             case TextCommand.ERROR:
                 self._handle_notice(tick, message.sender, SIMR_NOTICES.read(message))
+            case _ if self._seats:
+                pass
             case TextCommand.GOTO:
                 goto = decode_goto(message, self._dialect, len(self._game_map.goals))
                 if isinstance(goto, legacy.GotoRoom) and goto.robot < self._team.size:
@@ -174,11 +183,15 @@ class SimR(RobotsRole):
 
     def _handle_notice(self, tick: int, sender: str, notice: SimrNotice | None) -> None:
         match notice:
+            case Orders() | TeamRejection() if sender != KEEPER:
+                pass  # Other programs do not command the team.
             case Orders():
                 if self._can_follow(notice):
                     self._follow(notice)
             case Subscribe():
-                self._telemetry.subscribe(sender, tick)
+                seat = seat_of(sender, self._seats)
+                if seat is not None and seat.sees_map:
+                    self._telemetry.subscribe(sender, tick)
             case TeamRejection(sentence):
                 self.rejection = sentence
             case RecordingPermission() | None:

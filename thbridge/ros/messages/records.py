@@ -18,6 +18,8 @@ from thbridge.ros.messages.session_records import (
     HeldTurns,
     InputRecord,
     ScoreRecord,
+    SeatNotice,
+    TeamEvent,
     UtteranceRecord,
 )
 
@@ -212,6 +214,8 @@ Record = (
     | DialogueMoveRecord
     | DialogueStateRecord
     | HeldTurns
+    | TeamEvent
+    | SeatNotice
     | InputRecord
     | SendRobots
     | Success

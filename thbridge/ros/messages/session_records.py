@@ -46,6 +46,28 @@ class GameEvent:
 
 
 @dataclass(frozen=True, slots=True)
+class TeamEvent:
+    """Text or vote of a participant, in a game with several seats; `event` has it as an event of a journal."""
+
+    event: GameEvent
+
+
+@dataclass(frozen=True, slots=True)
+class SeatNotice:
+    """Notice that the participant's program of a seat received, in a game with several seats.
+
+    Attributes:
+        seat: name of the seat.
+        kind: kind of the notice: "View" for what the participant sees of the game, "Talk" for texts.
+        json: the complete notice as JSON.
+    """
+
+    seat: str
+    kind: str
+    json: str
+
+
+@dataclass(frozen=True, slots=True)
 class ScoreRecord:
     """Score, rooms and energy of a game. It is recorded at every change.
 
@@ -75,7 +97,7 @@ class UtteranceRecord:
         text: the sentence.
         move: dialogue move of the sentence, for example "continue".
         author: party that chose the sentence: "robot" (its strategy), "person", or "wizard" (a person who speaks for
-            the robot).
+            the robot). In a game with several seats, "person" is followed by the seat, for example "person driver".
     """
 
     dialogue: int
@@ -86,6 +108,11 @@ class UtteranceRecord:
     text: str
     move: str
     author: str
+
+    @property
+    def seat(self) -> str:
+        """Seat of the participant who chose the sentence; empty for robots, and in games with one participant."""
+        return self.author.partition(" ")[2]
 
 
 @dataclass(frozen=True, slots=True)

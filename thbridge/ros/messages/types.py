@@ -57,9 +57,10 @@ UTTERANCE = "thbridge_msgs/Utterance"
 DIALOGUE_MOVE = "thbridge_msgs/DialogueMove"
 DIALOGUE_STATE = "thbridge_msgs/DialogueState"
 INPUT = "thbridge_msgs/Input"
+SEAT_NOTICE = "thbridge_msgs/SeatNotice"
 
 MAVROS_TYPES = (MAVLINK, MAVROS_STATE)
-OWN_TYPES = (SESSION, GAME_EVENT, SCORE, UTTERANCE, DIALOGUE_MOVE, DIALOGUE_STATE, INPUT)
+OWN_TYPES = (SESSION, GAME_EVENT, SCORE, UTTERANCE, DIALOGUE_MOVE, DIALOGUE_STATE, INPUT, SEAT_NOTICE)
 
 OWN_TEXTS = {
     SESSION: """\
@@ -134,6 +135,13 @@ string kind    # one word, for example "received" or "asked"
 string sender  # the program or connection it came from; empty: the clock
 string line    # what it was, for people
 string json    # all of it
+""",
+    SEAT_NOTICE: """\
+# What the participant of a seat was shown, in a game with several seats.
+std_msgs/Header header
+string seat  # name of the seat
+string kind  # "View" (the game) or "Talk" (texts of other participants)
+string json  # the complete notice
 """,
 }
 """thbridge's own types, in the text of their .msg files."""

@@ -202,7 +202,9 @@ class TextServer:
                     if transport is not None:
                         transport.write(data)
                         waiting += self._router.report_backlog(connection, transport.get_write_buffer_size())
-                case CloseConnection(connection, reason):
+                case CloseConnection(connection, reason, warning):
+                    if warning:
+                        self.complaints.warn(warning)
                     _log.info("client %d is disconnected: %s", connection, reason.value)
                     transport = self._transports.pop(connection, None)
                     if transport is not None:

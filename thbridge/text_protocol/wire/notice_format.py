@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Generic, NoReturn, TypeAlias, TypeVar
+from typing import ClassVar, Generic, NoReturn, TypeAlias, TypeVar
 
 import msgspec
 
@@ -61,7 +61,13 @@ class Notice:
 
 
 class NoticeValue(msgspec.Struct, frozen=True, tag_field="kind"):
-    """Base class of the values in notices. A class's tag is the kind of its notices on the wire. It never changes."""
+    """Base class of the values in notices. A class's tag is the kind of its notices on the wire. It never changes.
+
+    Attributes:
+        OMITTED: fields that are omitted while they are None, because earlier releases do not have them.
+    """
+
+    OMITTED: ClassVar[frozenset[str]] = frozenset()
 
 
 N = TypeVar("N", bound=NoticeValue)
@@ -81,7 +87,10 @@ def encode_notice(sender: str, receiver: str, value: NoticeValue, request: int |
         value: the value.
         request: see `Notice.request`.
     """
-    fields = msgspec.to_builtins(value)
+    fields: dict[str, JsonValue] = msgspec.to_builtins(value)
+    for name in value.OMITTED:
+        if fields[name] is None:
+            del fields[name]
     return _message(sender, receiver, fields if request is None else {**fields, _REQUEST: request})
 
 

@@ -32,6 +32,9 @@ Extended clients register with ``%%setid NAME extended [TOKEN]``. Only they
   if it has not answered a ping yet, or if it registered with the same TOKEN. If the TOKEN is the same, the holder is
   this program's own connection from before a network failure.
 
+The game may refuse names, for example of seats that it does not have (`NameRule`). A refused client of ours gets the
+reason; for a client of 2016, the name is taken.
+
 A connection from another machine has credentials. With a key it may register the names for which the key has rights,
 and send only in its own name. Without a key it is never extended. A client that breaks these rules gets the reason, and
 its connection is closed.
@@ -41,7 +44,7 @@ For all other clients the server behaves like the server of 2016.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
@@ -113,11 +116,17 @@ class CloseReason(Enum):
     REPLACED = "its program has reconnected"
     IDLE = "it has no name and is silent, and its place is needed"
     NOT_ENTITLED = "its key does not allow that"
+    NO_SEAT = "the game has no seat for its name"
 
     @property
     def flush(self) -> bool:
         """True if pending bytes are still sent. False if the other side no longer reads."""
-        return self in (CloseReason.NAME_TAKEN, CloseReason.ASKED, CloseReason.STOPPED, CloseReason.NOT_ENTITLED)
+        return self not in (
+            CloseReason.PING_UNANSWERED,
+            CloseReason.SLOW,
+            CloseReason.REPLACED,
+            CloseReason.IDLE,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,10 +139,17 @@ class SendToClient:
 
 @dataclass(frozen=True, slots=True)
 class CloseConnection:
-    """Connection to be closed. The router has already removed it and freed its name."""
+    """Connection to be closed. The router has already removed it and freed its name.
+
+    Attributes:
+        connection: the connection.
+        reason: kind of reason.
+        warning: warning about the client for the people who run the server; empty if there is none.
+    """
 
     connection: ConnectionId
     reason: CloseReason
+    warning: str = ""
 
 
 @dataclass(frozen=True)
@@ -197,6 +213,23 @@ class NameTaken:
     """Rejection of a local endpoint's name, because another party has this name."""
 
     name: str
+
+
+@dataclass(frozen=True, slots=True)
+class NameRefusal:
+    """Refusal of a program's name.
+
+    Attributes:
+        reason: the reason, as a clause.
+        answer: line for a program of 2016; None if it gets no line.
+    """
+
+    reason: str
+    answer: TextMessage | None = None
+
+
+NameRule: TypeAlias = Callable[[str, bool], NameRefusal | None]
+"""Rule of a game about the names of programs. The arguments are a name, and True if the client is extended."""
 
 
 @dataclass(slots=True)
@@ -313,13 +346,18 @@ class MessageRouter:
 
     Times are seconds on any clock that does not run backward. Not safe for use by several threads at once.
 
+    Args:
+        limits: limits of the server.
+        name_rule: rule about names. If None, all names are allowed.
+
     Attributes:
         limits: limits of the server.
         local: programs of this process.
     """
 
-    def __init__(self, limits: RouterLimits | None = None) -> None:
+    def __init__(self, limits: RouterLimits | None = None, name_rule: NameRule | None = None) -> None:
         self.limits = limits or RouterLimits()
+        self._name_rule = name_rule
         self._connections: dict[ConnectionId, _Connection] = {}
         self._holders: dict[str, _Connection | _Endpoint] = {}
         self.local = LocalEndpoints(self._holders)
@@ -464,6 +502,9 @@ class MessageRouter:
         reason = _not_entitled(client.credentials, name, extended)
         if reason is not None:
             return self._turn_out(client, name, reason)
+        refused = None if self._name_rule is None else self._name_rule(name, extended)
+        if refused is not None:
+            return self._refuse_name(client, name, refused, extended=extended)
         holder = self._holders.get(name)
         # No program may hold SERVER, because the server sends its own notices under this name.
         if name == SERVER or (holder is not None and holder is not client):
@@ -476,6 +517,21 @@ class MessageRouter:
     def _turn_out(self, client: _Connection, name: str, reason: str) -> list[RouterOutput]:
         sent = SendToClient(client.id, farewell(name, reason))
         return [sent, *self._close(client, CloseReason.NOT_ENTITLED)]
+
+    def _refuse_name(
+        self, client: _Connection, name: str, refused: NameRefusal, *, extended: bool
+    ) -> list[RouterOutput]:
+        if extended:
+            said = farewell(name, refused.reason)
+        else:
+            said = b"" if refused.answer is None else encode_line(refused.answer.line())
+            said += SHUTDOWN_LINE
+        warning = f"the program {name} is refused: {refused.reason}"
+        return [
+            SendToClient(client.id, said),
+            *self.eof(client.id),
+            CloseConnection(client.id, CloseReason.NO_SEAT, warning),
+        ]
 
     def _forward(self, origin: _Connection | _Endpoint, message: TextMessage) -> list[RouterOutput]:
         """Pass a message on. If this is not possible, send a notice to the sender if it is extended."""

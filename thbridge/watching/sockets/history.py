@@ -13,12 +13,15 @@ from thbridge.ros.topics import (
     ROSOUT,
     SEND_ROBOTS,
     SUCCESS,
+    TEAM,
     UTTERANCES,
     RosMessage,
     Topic,
 )
 
-LISTED = frozenset({GAME_EVENTS, UTTERANCES, DIALOGUE_MOVES, DIALOGUE_STATES, SEND_ROBOTS, SUCCESS, INPUTS, ROSOUT})
+LISTED = frozenset(
+    {GAME_EVENTS, UTTERANCES, DIALOGUE_MOVES, DIALOGUE_STATES, SEND_ROBOTS, SUCCESS, TEAM, INPUTS, ROSOUT}
+)
 """Topics for which all recent messages are kept. For other topics, only the newest message is kept."""
 
 MAX_MESSAGES = 1000

@@ -22,17 +22,19 @@ ANOTHER_GAME = (
 """Sentence on the terminal at the end of a game."""
 
 
-def player_of(who: str, study: Study, study_file: Path | None, templates: str | None, seed: int | None) -> LocalPlayer:
+def player_of(
+    who: str, study: Study, study_file: Path | None, templates: str | None, seed: int | None, seat: str = ""
+) -> LocalPlayer:
     """Return the player. The study already includes `templates` and `seed`, which have no effect for a person."""
     if who == PERSON:
         for option, value in (("--templates", templates), ("--seed", seed)):
             if value is not None:
                 note(f"{option} has no effect here: it applies only to simulated participants.")
-        return player_of_person(shipped_texts())
+        return player_of_person(shipped_texts(), seat=seat)
     beside = Path() if study_file is None or templates is not None else study_file.parent
     templates_read = read_templates(study.templates, beside)
     with bad_input():
-        return player_of_bot(who, templates_read, study)
+        return player_of_bot(who, templates_read, study, seat)
 
 
 def read_templates(wanted: str, beside: Path) -> TemplateSet:

@@ -26,6 +26,7 @@ from ui.command_line.options import (
     Port,
     Robots,
     RosOptions,
+    SeatName,
     Seed,
     StudyFile,
     Templates,
@@ -71,6 +72,8 @@ def server(
         if isinstance(where, CannotListen):
             fail(BAD_INPUT, str(where))
         print(f"listening on {where.host}:{where.port}", flush=True)  # noqa: T201 - programs wait for this line
+        if study.seats:
+            note(f"Seats: {', '.join(each.name for each in study.seats)}. Start `thbridge tabui` with --seat for each.")
 
     run(serve(setting, ledger, new_game, ready, ring, secrets.token_hex(8)))
 
@@ -192,6 +195,7 @@ def hider(
 def tabui(
     client: ClientOptions,
     participant: ParticipantName = None,
+    seat: SeatName = None,
     templates: Templates = None,
     seed: Seed = None,
     look: LookOption = ColourScheme.SYSTEM,
@@ -200,7 +204,7 @@ def tabui(
 ) -> None:
     """Run the participant's program (TabUI) as a client of a text server, in a window.
 
-    Without a display, a simulated participant plays.
+    Without a display, a simulated participant plays. In a game with several seats, --seat names the participant's seat.
     """
     if hosted:
         from ui.windows.participant_program import play_hosted
@@ -211,6 +215,7 @@ def tabui(
     from thbridge.roles.participant.bot_strategy import BotStrategy
     from ui.command_line.event_loop import run
     from ui.command_line.keys import key_of
+    from ui.command_line.seats import client_seat
     from ui.command_line.settings import study_of
     from ui.commands.programs.client import ANOTHER_GAME, address_of, new_token, player_of, show_nothing, tell_lost
 
@@ -218,15 +223,16 @@ def tabui(
     study = study_of(study_file, {"templates": templates, "seed": seed})
     host, port = address_of(client.server, study.server)
     shown = None if client.key is None else key_of(client.key)
+    own_seat = client_seat(study, study_file, seat)
     if participant is None and templates is None and seed is None and not as_json:
         why = why_no_window()
         if why is None:
             from ui.windows.participant_program import play_at
 
-            raise typer.Exit(play_at(host, port, new_token(), look.value, shown))
+            raise typer.Exit(play_at(host, port, new_token(), look.value, shown, own_seat))
         note(f"{why} A simulated participant plays.")
     participant = participant or BotStrategy.SUGGESTION.value
-    player = player_of(participant, study, study_file, templates, seed)
+    player = player_of(participant, study, study_file, templates, seed, own_seat)
     program = programs.tabui(player.tabui, host, port, new_token(), tell_lost, show_nothing, shown)
     last = run(program, player.typed)
     if player.tabui.declined:

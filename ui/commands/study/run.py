@@ -46,6 +46,10 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
     with bad_input():
         place, clock = ExperimentFolder(folder), StudyClock()
         design = read_for_people(place)
+        if design.has_groups:
+            problem = "the kiosk is for one person at a time, but games of this study have several people"
+            remedy = "Delete `seats`, or let simulated people take part: thbridge study rehearse"
+            raise BadFile(design.path, problem, remedy, key="base.seats")
         for study in chain.from_iterable(cell.studies for cell in design.cells):
             check_doors(study)
         why = None if program else why_no_window()

@@ -213,7 +213,7 @@ class StudyGames:
 
         await asyncio.to_thread(compile_ahead, whole_hunt=True)
         try:
-            outcome = await hunt.play(setting, None, replace(options, left=left, meter=meter), ready, progress)
+            outcome = await hunt.play(setting, (), replace(options, left=left, meter=meter), ready, progress)
         except HuntUnfinished as early:
             if early.stopped:
                 raise KioskStopped from None

@@ -1,11 +1,13 @@
 """Effects of the participant's acts. Each act refers to the screen that the participant saw at that moment."""
 
-from thbridge.hunt.events import TreasureLeft
+from thbridge.hunt.events import Commander, TreasureLeft
 from thbridge.hunt.rooms import Room
+from thbridge.roles.shared.team_notices import LONGEST_REASON, Vote
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     EndGame,
     GiveConsent,
+    HandOver,
     LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
@@ -25,6 +27,7 @@ from ui.model.playing.memory.popup_queue import DestinationItem, TreasureItem
 from ui.model.playing.memory.state import (
     DepartUndecided,
     EndGameEarly,
+    HandOverStep,
     HuntMemory,
     LeaveLastTreasure,
     LeaveWindow,
@@ -32,11 +35,13 @@ from ui.model.playing.memory.state import (
     PendingStep,
     Reroute,
 )
+from ui.model.playing.people import do_with_people
 from ui.model.playing.possible import (
     ends_game,
     left_beside,
     undecided_beside,
     why_not_ask,
+    why_not_command,
     why_not_end,
     why_not_find_out,
     why_not_go,
@@ -49,6 +54,7 @@ from ui.model.playing.screen import (
     AnswerDialogueAct,
     AskWhatItIs,
     Cancel,
+    ChooseAddressee,
     ChooseRobot,
     CloseWindow,
     Confirm,
@@ -59,14 +65,18 @@ from ui.model.playing.screen import (
     FitMap,
     FollowRobot,
     GiveConsentAct,
+    HandOverAct,
+    HandOverTo,
     IdentifyTreasureAct,
     LeaveTreasureAct,
+    MarkReadAct,
     MeasurePropertyAct,
     NextRobot,
     PickName,
     PlayAgainAct,
     RequestHandbackAct,
     RequestSuggestionAct,
+    SayToPeopleAct,
     SelectRoomAct,
     ShowHelp,
     ShowNext,
@@ -78,9 +88,13 @@ from ui.model.playing.screen import (
     TellPropertyAct,
     TypeDigit,
     TypeLetter,
+    VoteAct,
+    WriteText,
 )
+from ui.model.playing.seat_view import decisions, may_name, takers, teammates_who_name
 from ui.model.playing.sounds import why_silent
 from ui.model.playing.view_update import is_open, note, settle
+from ui.model.playing.votes import vote_on_end, vote_on_name
 
 TYPING = 4.0
 """Seconds after which a typed digit is dropped if no other digit follows."""
@@ -97,6 +111,8 @@ def do(memory: ParticipantMemory, act: Act, now: float) -> None:
             memory.hovered = room
         case SwitchSound():
             _switch_sound(memory, now)
+        case ChooseAddressee() | WriteText() | SayToPeopleAct() | MarkReadAct() if memory.hunt is not None:
+            do_with_people(memory, memory.hunt, act, now)
         case _ if memory.hunt is not None and memory.hunt.view.game == memory.last_drawn.game:
             _in_game(memory, memory.hunt, act, now)
             settle(memory, memory.hunt)
@@ -141,6 +157,10 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
         case CloseWindow(ends):
             # The help sheet and other questions use the same keys as the answers, so this question replaces them.
             hunt.pending_step, memory.help_open = LeaveWindow(ends), False
+        case HandOverTo(seat):
+            _hand_over(memory, hunt, seat)
+        case VoteAct():
+            _vote(hunt, act)
         case _ if hunt.pending_step is not None:
             note(memory, hunt.texts.text("hints.answer_first"), now)
         case SelectRoomAct(room):
@@ -155,6 +175,8 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
             _stop(memory, hunt, memory.selected if robot is None else robot, now)
         case RequestHandbackAct(robot):
             _ask_back(memory, hunt, memory.selected if robot is None else robot, now)
+        case HandOverAct(robot):
+            _choose_taker(memory, hunt, memory.selected if robot is None else robot, now)
         case TakeUpTreasureAct(robot):
             _take_up(memory, hunt, memory.selected if robot is None else robot, now)
         case ShowNext():
@@ -164,7 +186,7 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
         case EnlargePicture():
             hunt.enlarged = None if hunt.enlarged is not None else hunt.popups.shown
         case EndGameAct():
-            if not _refused(memory, why_not_end(hunt.texts, hunt.known), now):
+            if not _refused(memory, why_not_end(hunt.texts, hunt.known) or vote_on_end(hunt), now):
                 hunt.pending_step = EndGameEarly()
         case _:
             _in_popup(memory, hunt, act, now)
@@ -218,15 +240,17 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
                 note(memory, hunt.texts.text("hints.pick_first"), now, item)
             elif name != memory.last_drawn.picked:
                 return
-            elif not _refused(memory, why_not_name(hunt.texts, hunt.known, item.robot, room), now):
+            elif not _refused(memory, _why_not_name(hunt, item), now):
                 hunt.submitted_names[room] = name
                 hunt.named.add(room)
                 memory.history.add_request(item.robot, hunt.texts.text("popups.say_name", name=view.word_for(name)))
                 _discuss(hunt, OpenDialogue(item.robot, "take-treasure", room, name if _argues(view) else None))
         case AskWhatItIs():
-            if _argues(view) and not _refused(memory, why_not_name(hunt.texts, hunt.known, item.robot, room), now):
+            if _argues(view) and not _refused(memory, _why_not_name(hunt, item), now):
                 memory.history.add_request(item.robot, hunt.texts.text("popups.say_unsure"))
                 _discuss(hunt, OpenDialogue(item.robot, "take-treasure", room, ""))
+        case LeaveTreasureAct() if not may_name(view):
+            pass
         case LeaveTreasureAct():
             if ends_game(hunt.known, TreasureLeft(Room(room))):
                 hunt.pending_step = LeaveLastTreasure(room)
@@ -234,6 +258,10 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
                 hunt.pending.ask(LeaveTreasure(room), view)
         case _:
             pass
+
+
+def _why_not_name(hunt: HuntMemory, item: TreasureItem) -> str | None:
+    return why_not_name(hunt.texts, hunt.known, item.robot, item.room) or vote_on_name(hunt, item.room)
 
 
 def _pick(memory: ParticipantMemory, hunt: HuntMemory, choice: NameChoice) -> None:
@@ -323,7 +351,10 @@ def _ask_to_go(memory: ParticipantMemory, hunt: HuntMemory, request: SelectRoom 
     """
     view, robot = hunt.view, request.robot
     room = undecided_beside(hunt.known, robot)
-    if room is not None and view.room(room).found and why_not_name(hunt.texts, hunt.known, robot, room) is None:
+    nameable = room is not None and (
+        why_not_name(hunt.texts, hunt.known, robot, room) is None or any(teammates_who_name(view))
+    )
+    if room is not None and view.room(room).found and nameable:
         hunt.pending_step = DepartUndecided(request, room)
     else:
         memory.history.add_request(robot, hunt.ask_to_go(request))
@@ -343,6 +374,8 @@ def _carry_out(memory: ParticipantMemory, hunt: HuntMemory, step: PendingStep) -
             memory.leaving = True
         case LeaveLastTreasure(room):
             hunt.pending.ask(LeaveTreasure(room), hunt.view)
+        case HandOverStep():
+            pass  # Only the choice of a teammate carries it out.
 
 
 def _cancel(memory: ParticipantMemory, hunt: HuntMemory) -> None:
@@ -382,10 +415,36 @@ def _ask_back(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: floa
     asked = hunt.view.robots[robot]
     if not asked.has_other_commander:
         note(memory, hunt.texts.text("hints.you_command", robot=robot), now)
+    elif asked.commander is Commander.TEAMMATE and hunt.known.seat is not None and not hunt.known.seat.takes_over:
+        note(memory, hunt.texts.text("seats.not_yours"), now)
     elif asked.asked_back:
         note(memory, hunt.texts.text("hints.asked_already", robot=robot), now)
     else:
         hunt.pending.ask(RequestHandback(robot), hunt.view)
+
+
+def _choose_taker(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: float) -> None:
+    """Ask the participant to whom they hand over a robot."""
+    if not 0 <= robot < len(hunt.view.robots) or _refused(memory, why_not_command(hunt.texts, hunt.known, robot), now):
+        return
+    if not takers(hunt.view):
+        note(memory, hunt.texts.text("seats.no_taker"), now)
+    else:
+        hunt.pending_step, memory.help_open = HandOverStep(robot), False
+
+
+def _hand_over(memory: ParticipantMemory, hunt: HuntMemory, seat: str) -> None:
+    step = hunt.pending_step
+    if isinstance(step, HandOverStep) and step == memory.last_drawn.pending_step:
+        hunt.pending_step = None
+        hunt.pending.ask(HandOver(step.robot, seat), hunt.view)
+
+
+def _vote(hunt: HuntMemory, act: VoteAct) -> None:
+    """Vote on a decision that is still open. The participant who proposed it has no vote."""
+    own = "" if hunt.view.team is None else hunt.view.team.own.name
+    if any(each.decision == act.decision and each.seat != own for each in decisions(hunt.view)):
+        hunt.pending.ask(Vote(act.decision, act.agrees, act.reason.strip()[:LONGEST_REASON]), hunt.view)
 
 
 def _take_up(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: float) -> None:

@@ -80,11 +80,11 @@ class AnswerGuard:
 
 
 def _offered(screen: Screen) -> tuple[Act, ...]:
-    """Return the possible answers to the pop-up, to the question and to the end page; these appear without a
+    """Return the possible answers to the pop-up, the question, the votes and the end page; these appear without a
     request."""
     acts: list[Act] = []
     if screen.confirmation is not None:
-        acts += [screen.confirmation.yes.act, screen.confirmation.no.act]
+        acts += [answer.act for answer in screen.confirmation.answers]
     match screen.popup:
         case DialoguePopup(choices=choices):
             acts += [choice.act for choice in choices]
@@ -92,6 +92,7 @@ def _offered(screen: Screen) -> tuple[Act, ...]:
             acts += [pop.name_it.act, pop.leave.act, TakePictureAct()]
         case None:
             pass
+    acts += [button.act for vote in screen.votes for button in vote.buttons]
     if screen.ending is not None:
         acts.append(screen.ending.again.act)
     return tuple(acts)

@@ -4,21 +4,31 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.hunt.events import Condition
+from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.rules import affordable
 from thbridge.roles.shared.notices import RobotMotion
-from thbridge.roles.shared.view import RequestHandback, RobotView, StopRobot, TakeUpTreasure
+from thbridge.roles.shared.view import HandOver, RequestHandback, RobotView, StopRobot, TakeUpTreasure
 from ui.model.playing.keys import key_of
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.possible import arrival_warning, is_allowed, left_beside, undecided_beside, why_not_command
 from ui.model.playing.screen import (
     Action,
     ChooseRobot,
+    HandOverAct,
     NextRobot,
     RequestHandbackAct,
     RobotCard,
     StopRobotAct,
     TakeUpTreasureAct,
+)
+from ui.model.playing.seat_view import (
+    asker_of,
+    decision_about,
+    is_own,
+    label_at_begin,
+    label_of,
+    sees_energy,
+    takers,
 )
 from ui.model.playing.words import commanded_words, commander_in_words
 
@@ -49,7 +59,7 @@ def is_in_trouble(robot: RobotView) -> bool:
 def card_sentence(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> str:
     """Return the card of a robot as a sentence for screen readers."""
     texts, card = hunt.texts, _card(memory, hunt, hunt.view.robots[robot])
-    energy = texts.clause("cards.energy", energy=card.energy)
+    energy = "" if card.energy is None else texts.clause("cards.energy", energy=card.energy)
     things = (card.place, card.state, energy, card.warning, card.commanded)
     return texts.text("cards.spoken", robot=robot, things=texts.forms.between.join(filter(None, things)))
 
@@ -63,14 +73,17 @@ def _card(memory: ParticipantMemory, hunt: HuntMemory, robot: RobotView) -> Robo
     cost = None
     if considered is not None and robot.moving_to is None and hunt.view.room(considered).state == "unvisited":
         cost = hunt.view.costs_from(robot)[considered]
-    motion = memory.motion(number)
+    motion, asker = memory.motion(number), asker_of(hunt.view, number)
     commander = commander_in_words(texts, robot.commander, robot.commander_name)
+    commands = "seats.commands" if robot.commander is Commander.TEAMMATE else "cards.commanded"
+    if not sees_energy(hunt.view):
+        cost = None
     stranded, warning = _is_stranded(hunt, robot), _warning(hunt, robot)
     return RobotCard(
         robot=number,
         name=texts.text("window.robot", robot=number),
         selected=selected,
-        energy=robot.energy,
+        energy=robot.energy if sees_energy(hunt.view) else None,
         energy_at_start=hunt.most_energy,
         cost=cost,
         affordable=cost is None or cost <= robot.energy,
@@ -78,15 +91,36 @@ def _card(memory: ParticipantMemory, hunt: HuntMemory, robot: RobotView) -> Robo
         state=_state(hunt, robot, motion, stranded=stranded),
         trouble=is_in_trouble(robot) or stranded,
         progress=_progress(robot, motion),
-        waits=sum(item.robot == number for item in hunt.popups.waiting),
+        waits=sum(item.robot == number and item not in hunt.popups.quiet for item in hunt.popups.waiting),
         select=_select(memory, hunt, number, warning),
         stop=_stop(hunt, robot, selected),
         commander=commander,
-        commanded=texts.clause("cards.commanded", commander=commander) if commander else "",
+        commanded=texts.clause(commands, commander=commander, seat=commander) if commander else "",
         ask_back=_ask_back(hunt, robot, selected),
         take_up=_take_up(hunt, robot, selected),
         warning=warning,
+        holder=_holder(hunt, commander, asker),
+        hand_over=_hand_over(hunt, robot, selected),
+        asked_for=bool(asker),
     )
+
+
+def _holder(hunt: HuntMemory, commander: str, asker: str) -> str:
+    """Return the words about the party that commands a robot; empty in a game with one participant."""
+    if hunt.view.team is None:
+        return ""
+    if asker:
+        return hunt.texts.text("seats.asks_for", seat=label_of(hunt.view, asker))
+    return label_at_begin(commander) or hunt.texts.text("window.you")
+
+
+def _hand_over(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
+    if robot.has_other_commander or hunt.view.over is not None or not takers(hunt.view):
+        return None
+    busy = any(isinstance(each, HandOver) and each.robot == robot.robot for each in hunt.pending.requests)
+    texts, key = hunt.texts, key_of(HandOverAct()) if selected else ""
+    hint = texts.text("seats.hand_over_hint", robot=robot.robot)
+    return Action(HandOverAct(robot.robot), texts.text("seats.hand_over"), key, not busy, hint, busy)
 
 
 def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int, warning: str) -> Action:
@@ -108,7 +142,8 @@ def _stop(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
     if not is_allowed(hunt.known, StopRobot(robot.robot)):
         return None
     texts, stopping = hunt.texts, _is_stopping(hunt, robot)
-    hint = texts.text("cards.stopping_hint", robot=robot.robot) if stopping else texts.text("cards.stop_hint")
+    refund = texts.text("cards.stop_hint" if sees_energy(hunt.view) else "seats.stop_hint")
+    hint = texts.text("cards.stopping_hint", robot=robot.robot) if stopping else refund
     key = key_of(StopRobotAct()) if selected else ""
     return Action(StopRobotAct(robot.robot), texts.text("cards.stop"), key, not stopping, hint, stopping)
 
@@ -116,15 +151,18 @@ def _stop(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
 def _ask_back(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
     if not robot.has_other_commander or hunt.view.over is not None:
         return None
+    seat, is_mates = hunt.known.seat, robot.commander is Commander.TEAMMATE
+    if is_mates and seat is not None and not seat.takes_over:
+        return None
     busy = RequestHandback(robot.robot) in hunt.pending
     asked = robot.asked_back or busy
     texts = hunt.texts
-    hint = commanded_words(texts, robot.robot, robot.commander, robot.commander_name)
+    hint = commanded_words(texts, robot.robot, robot.commander, robot.commander_name, seat)
     if asked:
         hint += f" {texts.text('cards.asked_back_hint')}"
     return Action(
         RequestHandbackAct(robot.robot),
-        texts.text("cards.asked_back" if asked else "cards.ask_back"),
+        texts.text("cards.asked_back" if asked else "seats.ask_for" if is_mates else "cards.ask_back"),
         key_of(RequestHandbackAct()) if selected else "",
         not asked,
         hint,
@@ -184,11 +222,16 @@ def _resting(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
     number, texts = robot.robot, hunt.texts
     if hunt.view.over is not None:
         return texts.text("cards.over")
+    voted = decision_about(hunt.view, robot=number)
+    if voted is not None:
+        return texts.text("votes.card", room=voted.room or 0)
     if hunt.pending.destination_request(number) is not None:
         return texts.text("cards.being_asked")
     if number in hunt.view.thinking:
         return texts.text("cards.thinking_where")
     talk = hunt.destination_dialogue(number)
+    if talk is not None and not is_own(hunt.view, number, "select-room"):
+        return texts.text("seats.talks")
     if talk is not None and not talk.choices:
         return texts.text("cards.thinking")
     if talk is not None:

@@ -7,9 +7,10 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Condition
 from thbridge.roles.shared.view import GiveConsent
 from ui.model.playing.cards import cards, moved_cards, nothing_waits
-from ui.model.playing.keys import HELP, WAITING_KEY, help_lines, is_letter, keyed
+from ui.model.playing.keys import HELP, WAITING_KEY, help_lines, is_letter, keyed, popup_keys
 from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
+from ui.model.playing.people import people_panel
 from ui.model.playing.popups.confirmations import confirmation
 from ui.model.playing.popups.dialogues import destination_popup, dialogue_title
 from ui.model.playing.popups.game_over import game_over_page
@@ -34,8 +35,10 @@ from ui.model.playing.screen import (
     TreasurePopup,
     WaitingItem,
 )
+from ui.model.playing.seat_view import sees_map, sees_score
 from ui.model.playing.sounds import why_silent
 from ui.model.playing.tiles import dont_know, end, tiles
+from ui.model.playing.votes import open_votes
 from ui.model.playing.words import outcome_of, progress_of, verdict_words
 
 
@@ -53,7 +56,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         decline=keyed(DeclineConsentAct(), texts.text("game.decline"), hint=texts.text("game.decline_hint")),
         banner=_banner(memory, now),
         game=0 if hunt is None or memory.once else hunt.view.game,
-        score=0 if hunt is None else hunt.view.score,
+        score=0 if hunt is None else hunt.view.score if sees_score(hunt.view) else None,
         progress="" if hunt is None else _progress(hunt),
         cards=team,
         tiles=() if hunt is None else tiles(memory, hunt),
@@ -73,8 +76,11 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         announcement_number=0,
         rules=rules_of(texts, hunt.view) if hunt is not None and memory.help_open else (),
         nothing_waits="" if playing is None else _nothing_waits(playing, team),
+        people=None if hunt is None else people_panel(memory, hunt),
+        votes=() if playing is None else open_votes(playing),
+        no_map=_no_map(hunt),
     )
-    screen = replace(screen, enlarged=_enlarged(hunt, screen))
+    screen = _without_popup_keys(replace(screen, enlarged=_enlarged(hunt, screen)))
     match screen.popup:
         case TreasurePopup(asks_for_name=True):
             return _without_letters(screen)
@@ -91,7 +97,14 @@ def with_motions(screen: Screen, memory: ParticipantMemory, moved: Collection[in
         return screen
     team = moved_cards(hunt, screen.cards, memory.motions, moved)
     words = _nothing_waits(hunt, team) if screen.phase is Phase.PLAYING else screen.nothing_waits
-    return replace(screen, cards=team, progress=_progress(hunt), nothing_waits=words)
+    screen = replace(screen, cards=team, progress=_progress(hunt), nothing_waits=words)
+    if not screen.votes:
+        return screen
+    return _without_popup_keys(replace(screen, votes=open_votes(hunt)))
+
+
+def _no_map(hunt: HuntMemory | None) -> str:
+    return "" if hunt is None or sees_map(hunt.view) else hunt.texts.text("seats.no_map")
 
 
 def _nothing_waits(hunt: HuntMemory, team: Sequence[RobotCard]) -> str:
@@ -113,6 +126,22 @@ def _enlarged(hunt: HuntMemory | None, screen: Screen) -> bytes | None:
 def _without_digits(screen: Screen) -> Screen:
     """Return the screen without keys on the buttons of rooms, because digits are the keys of the pop-up's answers."""
     return replace(screen, tiles=tuple(replace(tile, choose=replace(tile.choose, key="")) for tile in screen.tiles))
+
+
+def _without_popup_keys(screen: Screen) -> Screen:
+    """Return the screen without keys on the buttons of votes and hand-overs that belong to the pop-up shown."""
+    taken = popup_keys(screen)
+
+    def bare(action: Action | None) -> Action | None:
+        return replace(action, key="") if action is not None and action.key in taken else action
+
+    if not taken or not (screen.votes or any(card.hand_over for card in screen.cards)):
+        return screen
+    return replace(
+        screen,
+        votes=tuple(replace(vote, agree=bare(vote.agree), disagree=bare(vote.disagree)) for vote in screen.votes),
+        cards=tuple(replace(card, hand_over=bare(card.hand_over)) for card in screen.cards),
+    )
 
 
 def _without_letters(screen: Screen) -> Screen:
@@ -182,7 +211,9 @@ def _banner(memory: ParticipantMemory, now: float) -> Banner | None:
         return None if twice else Banner(memory.note.sentence, "note")
     if view is not None and view.over is None and all(robot.condition is Condition.SILENT for robot in view.robots):
         return Banner(texts.text("game.all_silent"), "bad")
-    if view is not None and view.over is None and all(robot.has_other_commander for robot in view.robots):
+    if view is None or view.team is not None:
+        return None
+    if view.over is None and all(robot.has_other_commander for robot in view.robots):
         return Banner(texts.text("game.all_commanded"), "note")
     return None
 
@@ -203,9 +234,15 @@ def _help(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[tuple[str
     if hunt is None:
         return help_lines(memory.texts, 0)
     properties = any(not each.is_found for each in hunt.view.properties)
-    argues = hunt.view.has_last_word is not None
+    argues, several = hunt.view.has_last_word is not None, hunt.view.team is not None
     return help_lines(
-        hunt.texts, len(hunt.view.rooms), why_silent(memory, hunt), properties=properties, numbered=argues
+        hunt.texts,
+        len(hunt.view.rooms),
+        why_silent(memory, hunt),
+        properties=properties,
+        numbered=argues,
+        team=several,
+        has_map=sees_map(hunt.view),
     )
 
 
@@ -215,6 +252,8 @@ def _tools(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[Action, 
     settings = keyed(ShowSettings(), texts.text("settings.title"), hint=texts.text("settings.hint"))
     if hunt is None:
         return (sheet,)
+    if not sees_map(hunt.view):
+        return (settings, sheet)
     follow = texts.text("game.follow" if memory.followed is None else "game.unfollow")
     return (
         keyed(FollowRobot(), follow, hint=texts.text("game.follow_hint", robot=memory.selected)),
@@ -243,6 +282,7 @@ def _waiting(hunt: HuntMemory) -> tuple[WaitingItem, ...]:
             Action(_showing(item), show, WAITING_KEY if item == first else "", hint=_waits(hunt, item)),
         )
         for item in hunt.popups.waiting
+        if item not in hunt.popups.quiet
     )
 
 
@@ -263,7 +303,8 @@ def _waits(hunt: HuntMemory, item: PopupItem) -> str:
         return dialogue_title(hunt, about)
     room = hunt.view.room(item.room)
     if room.verdict is not None:
-        verdict = verdict_words(texts, hunt.view.word_for(room.verdict.name), room.verdict.points)
+        word, points = hunt.view.word_for(room.verdict.name), room.verdict.points
+        verdict = verdict_words(texts, word, points, shows_points=sees_score(hunt.view))
         return texts.text("history.named", room=item.room, verdict=verdict)
     if hunt.robot_in_room(item.room) is None:
         return texts.text("popups.found", robot=item.robot, room=item.room)

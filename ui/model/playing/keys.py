@@ -27,6 +27,8 @@ from ui.model.playing.screen import (
     FollowRobot,
     GiveConsentAct,
     GoOnFromGame,
+    GoToPeople,
+    HandOverAct,
     IdentifyTreasureAct,
     LeaveTreasureAct,
     NextRobot,
@@ -97,6 +99,10 @@ OVER = (
     KeyBinding(("Enter",), GoOnFromGame(), "keys.go_on"),
 )
 """Keys after the game. The page offers only one of these acts."""
+PEOPLE = KeyBinding(("T",), GoToPeople(), "people.key")
+"""Key during and after a game of several participants."""
+HAND_OVER = KeyBinding(("R",), HandOverAct(), "keys.hand_over")
+"""Key in games with several participants, while a robot can be handed over."""
 HELP = KeyBinding(("F1", "H"), ShowHelp(), "keys.help")
 
 WAITING_KEY = "W"
@@ -105,7 +111,7 @@ WAITING_KEY = "W"
 The key is printed on the button that shows the waiting pop-ups, because "Esc" would be unclear there.
 """
 
-_TABLES = (PLAYING, CONSENT, OVER, (HELP,))
+_TABLES = (PLAYING, (HAND_OVER,), CONSENT, OVER, (HELP,))
 _CTRL = "Ctrl+"
 _TAKEN = frozenset((*(key for binding in (*PLAYING, HELP) for key in binding.keys), "L", "N", "P"))
 """Letters that are never keys of answers, because they are keys of the game.
@@ -174,7 +180,7 @@ def act_for(key: str, screen: Screen) -> Act | None:
         # The help sheet covers all objects of the other keys.
         return None
     if screen.confirmation is not None:
-        answers = screen.confirmation.yes, screen.confirmation.no
+        answers = screen.confirmation.answers
         return Cancel() if key == "Esc" else next((answer.act for answer in answers if answer.key == key), None)
     if screen.enlarged is not None:
         return EnlargePicture() if key in ("Esc", "Enter", "Space", key_of(EnlargePicture())) else None
@@ -182,10 +188,13 @@ def act_for(key: str, screen: Screen) -> Act | None:
         case Phase.CONSENT:
             return _bound(key, CONSENT)
         case Phase.OVER:
+            if key in PEOPLE.keys and _writes(screen):
+                return PEOPLE.act
             act = _bound(key, OVER)
             return act if screen.ending is not None and screen.ending.again.act == act else None
         case Phase.PLAYING:
-            return _playing(key, screen)
+            act = _playing(key, screen)
+            return None if screen.no_map and isinstance(act, FollowRobot | FitMap) else act
         case Phase.CONNECTING:
             return None
 
@@ -222,7 +231,14 @@ def help_line(texts: Texts, binding: KeyBinding) -> tuple[str, str]:
 
 
 def help_lines(
-    texts: Texts, rooms: int, silent: str = "", *, properties: bool = False, numbered: bool = False
+    texts: Texts,
+    rooms: int,
+    silent: str = "",
+    *,
+    properties: bool = False,
+    numbered: bool = False,
+    team: bool = False,
+    has_map: bool = True,
 ) -> tuple[tuple[str, str], ...]:
     """Return all lines of the help sheet as (keys, effect).
 
@@ -231,6 +247,8 @@ def help_lines(
         rooms: number of rooms; 0 before there is a game.
         properties: True if the participant can ask robots to sense further properties, or can report properties.
         numbered: True if answers to robots are numbered.
+        team: True in a game with several participants.
+        has_map: False if the participant does not see the map.
         silent: reason why there is no sound, shown in place of the effect of the sound key; empty if there is sound.
     """
     enter, ctrl = shown_key(texts, "Enter"), shown_key(texts, "Ctrl")
@@ -243,8 +261,13 @@ def help_lines(
         number = texts.text("keys.room_of_two_digits", key=enter) if rooms > 9 else texts.text("keys.room")
         lines.append((texts.text("keys.one_to_other", key="1", other_key=str(rooms)), number))
     for binding in PLAYING:
+        if isinstance(binding.act, FollowRobot | FitMap) and not has_map:
+            continue
         keys, does = help_line(texts, binding)
         lines.append((keys, silent if silent and isinstance(binding.act, SwitchSound) else does))
+    if team:
+        yes, no = (binding.keys[0] for binding in question_keys(texts))
+        lines += [help_line(texts, HAND_OVER), (yes, texts.text("keys.vote_yes")), (no, texts.text("keys.vote_no"))]
     if numbered:
         lines.append((texts.text("keys.one_to_other", key="1", other_key="5"), texts.text("keys.numbered_answer")))
         lines.append((listed("Up", "Down"), texts.text("keys.through_answers", key=enter)))
@@ -257,7 +280,8 @@ def help_lines(
     if properties:
         lines.append((texts.text("keys.with_number", key=ctrl), texts.text("keys.property_number")))
     lines.append((texts.text("keys.with_letter", key=ctrl), texts.text("keys.letter_meanwhile")))
-    lines += [help_line(texts, binding) for binding in (*question_keys(texts), HELP)]
+    others = (PEOPLE,) if team else ()
+    lines += [help_line(texts, binding) for binding in (*others, *question_keys(texts), HELP)]
     return tuple(lines)
 
 
@@ -301,7 +325,28 @@ def _playing(key: str, screen: Screen) -> Act | None:
             return ShowNext()
         case _:
             pass
-    return _bound(key, PLAYING)
+    votes = (button for vote in screen.votes for button in vote.buttons)
+    if (vote := next((button.act for button in votes if button.key == key), None)) is not None:
+        return vote
+    if key in HAND_OVER.keys:
+        return HAND_OVER.act if any(card.selected and card.hand_over for card in screen.cards) else None
+    return _bound(key, (*PLAYING, PEOPLE) if _writes(screen) else PLAYING)
+
+
+def _writes(screen: Screen) -> bool:
+    """Return True if the screen has a field for texts to other people."""
+    return screen.people is not None and screen.people.writes
+
+
+def popup_keys(screen: Screen) -> frozenset[str]:
+    """Return the letters that belong to the pop-up shown: those of the answers, or all if a list of names is shown."""
+    match screen.popup:
+        case DialoguePopup(choices=choices):
+            return frozenset(choice.key for choice in choices)
+        case TreasurePopup(asks_for_name=True):
+            return frozenset(string.ascii_uppercase)
+        case _:
+            return frozenset()
 
 
 def _digit(digit: int, screen: Screen) -> Act | None:

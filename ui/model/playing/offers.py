@@ -6,6 +6,7 @@ from ui.model.playing.screen import (
     Act,
     Action,
     DialoguePopup,
+    HandOverAct,
     Phase,
     RequestHandbackAct,
     Screen,
@@ -41,6 +42,8 @@ def offer(screen: Screen, act: Act) -> Action | None:
         return next((card.stop for card in screen.cards if card.selected), None)
     if act == RequestHandbackAct():
         return next((card.ask_back for card in screen.cards if card.selected), None)
+    if act == HandOverAct():
+        return next((card.hand_over for card in screen.cards if card.selected), None)
     if act == TakeUpTreasureAct():
         return next((card.take_up for card in screen.cards if card.selected), None)
     if isinstance(act, ShowWaiting) and act.room is None:
@@ -50,19 +53,15 @@ def offer(screen: Screen, act: Act) -> Action | None:
 
 def _playing(screen: Screen) -> Iterator[Action]:
     if screen.confirmation is not None:
-        yield screen.confirmation.yes
-        yield screen.confirmation.no
+        yield from screen.confirmation.answers
         return
     yield screen.ask_advice
     yield screen.end
     for card in screen.cards:
         yield card.select
-        if card.stop is not None:
-            yield card.stop
-        if card.ask_back is not None:
-            yield card.ask_back
-        if card.take_up is not None:
-            yield card.take_up
+        yield from (action for _, action in card.buttons)
+    for vote in screen.votes:
+        yield from vote.buttons
     yield from (tile.choose for tile in screen.tiles)
     yield from (waiting.show for waiting in screen.waiting)
     match screen.popup:

@@ -8,6 +8,7 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.participant.tabui import ParticipantUpdate
 from thbridge.roles.shared.notices import FloorPlan, GameTexts, PicturePiece, PlannedPaths, PoseTelemetry, RobotMotion
+from thbridge.roles.shared.team_notices import TeamTalk
 from thbridge.roles.shared.view import ParticipantRequest, View
 from thbridge.timing.wall_clock import utc_now
 from ui.model.playing.acts import do
@@ -18,6 +19,7 @@ from ui.model.playing.memory.popup_queue import DestinationItem, TreasureItem
 from ui.model.playing.memory.state import DrawnState, HuntMemory, ParticipantMemory
 from ui.model.playing.motion import MotionPlayback
 from ui.model.playing.offers import offer
+from ui.model.playing.people import receive_talk
 from ui.model.playing.screen import Act, RoomTile, Screen
 from ui.model.playing.sounds import why_silent
 from ui.model.playing.view_update import open_requests, receive_tick, receive_view
@@ -117,6 +119,8 @@ class Participant:
             case View():
                 if level.robots and (level.ready or memory.hunt is not None):
                     receive_view(memory, level, now)
+            case TeamTalk():
+                receive_talk(memory, level)
             case GameTexts():
                 memory.texts = level.texts() or memory.texts
                 if memory.hunt is not None:
@@ -227,7 +231,11 @@ class Participant:
 
         A request must be sent repeatedly as long as it is in this list.
         """
-        return () if self._memory.hunt is None else open_requests(self._memory.hunt)
+        hunt = self._memory.hunt
+        if hunt is None:
+            return ()
+        team = hunt.view.team
+        return (*open_requests(hunt), *(() if team is None else self._memory.talk.requests(team.read)))
 
     def _receive_motions(self, motions: tuple[RobotMotion, ...], now: float) -> bool:
         """Process the robots' motions; return True if parts of the screen other than the cards change."""

@@ -28,7 +28,17 @@ from thbridge.roles.shared.view import (
     TakeUpTreasure,
     TellProperty,
 )
+from ui.model.playing.seat_view import only_others
 from ui.model.playing.words import commanded_words
+
+_NOT_ABOUT_ROOMS = {
+    RuleReason.GAME_OVER,
+    RuleReason.COMMANDED,
+    RuleReason.SILENT,
+    RuleReason.BLOCKED,
+    RuleReason.NOT_ALLOWED,
+}
+"""Reasons why a robot cannot be asked for advice that do not depend on the rooms left."""
 
 
 def is_allowed(known: Situation, request: JudgedRequest) -> bool:
@@ -88,13 +98,16 @@ def why_not_go(texts: Texts, known: Situation, robot: int, room: int) -> str | N
             return texts.text("hints.on_its_way_there", robot=robot if going is None else going)
         case KeeperReason.UNDER_DISCUSSION:
             other = other_candidate(then.discussed, Room(room), robot)
+            command = None if other is None else then.state.robots[other].command
+            if command is not None and command.by is Commander.TEAMMATE:
+                return texts.text("seats.talks_about", seat=command.name, robot=robot if other is None else other)
             return texts.text("hints.asks_about_room", robot=robot if other is None else other)
         case RuleReason.NOT_A_MOVE:
             return texts.text("hints.no_path", room=mover.at)
         case RuleReason.NOT_ENOUGH_ENERGY:
             cost = then.state.cost(robot, Room(room))
             return texts.text("hints.too_dear", cost=cost, robot=robot, energy=mover.energy)
-    return _hint(texts, known, robot, refused)
+    return _hint(texts, known, robot, refused, SelectRoom(robot, room))
 
 
 def why_not_ask(texts: Texts, known: Situation, robot: int) -> str | None:
@@ -105,8 +118,8 @@ def why_not_ask(texts: Texts, known: Situation, robot: int) -> str | None:
     bound_for = known.state.robots[robot].bound_for
     if refused.reason == RuleReason.UNDER_WAY and bound_for is not None:
         return texts.text("hints.on_its_way", robot=robot, room=bound_for)
-    if refused.reason in {RuleReason.GAME_OVER, RuleReason.COMMANDED, RuleReason.SILENT, RuleReason.BLOCKED}:
-        return _hint(texts, known, robot, refused)
+    if refused.reason in _NOT_ABOUT_ROOMS:
+        return _hint(texts, known, robot, refused, RequestSuggestion(robot))
     return texts.text("hints.no_room_left", robot=robot)
 
 
@@ -139,7 +152,7 @@ def why_not_find_out(
     if refused.reason == RuleReason.NOT_ENOUGH_ENERGY and measured is not None:
         energy = known.state.robots[robot].energy
         return texts.text("hints.too_dear", cost=measured.cost, robot=robot, energy=energy)
-    return _hint(texts, known, robot, refused)
+    return _hint(texts, known, robot, refused, request)
 
 
 def why_not_stop(texts: Texts, known: Situation, robot: int) -> str | None:
@@ -149,7 +162,7 @@ def why_not_stop(texts: Texts, known: Situation, robot: int) -> str | None:
         return None
     if refused.reason == RuleReason.NOT_UNDER_WAY:
         return why_not_work(texts, known, robot) or refusal_words(texts, refused)
-    return _hint(texts, known, robot, refused)
+    return _hint(texts, known, robot, refused, StopRobot(robot))
 
 
 def why_not_end(texts: Texts, known: Situation) -> str | None:
@@ -157,6 +170,8 @@ def why_not_end(texts: Texts, known: Situation) -> str | None:
     refused = judge(known, EndGame(known.state.started.game))
     if isinstance(refused, tuple):
         return None
+    if refused.reason == RuleReason.NOT_ALLOWED:
+        return only_others(texts, known, EndGame(known.state.started.game)) or refusal_words(texts, refused)
     moving = (number for number, robot in enumerate(known.state.robots) if robot.bound_for is not None)
     if refused.reason == RuleReason.UNDER_WAY and (mover := next(moving, None)) is not None:
         theirs = why_not_command(texts, known, mover)
@@ -235,11 +250,17 @@ def _why_not_discuss(texts: Texts, known: Situation, request: OpenDialogue) -> s
             if request.matter == "take-picture":
                 return texts.text("hints.picture_too_dear", cost=started.picture_cost, robot=robot, energy=energy)
             return texts.text("hints.naming_too_dear", cost=started.identify_cost, robot=robot, energy=energy)
-    return _hint(texts, known, robot, refused)
+    return _hint(texts, known, robot, refused, request)
 
 
-def _hint(texts: Texts, known: Situation, robot: int, refused: RequestRefused | None) -> str | None:
-    """Return the hint for a refusal; None if there is no refusal."""
+def _hint(
+    texts: Texts,
+    known: Situation,
+    robot: int,
+    refused: RequestRefused | None,
+    request: ParticipantRequest | None = None,
+) -> str | None:
+    """Return the hint for a refusal; None if there is no refusal. `request` is the refused request, if there is one."""
     if refused is None:
         return None
     match refused.reason:
@@ -249,7 +270,9 @@ def _hint(texts: Texts, known: Situation, robot: int, refused: RequestRefused | 
             return texts.text("hints.blocked", robot=robot)
         case RuleReason.COMMANDED:
             command = known.state.robots[robot].command
-            return commanded_words(texts, robot, command.by, command.name)
+            return commanded_words(texts, robot, command.by, command.name, known.seat)
+        case RuleReason.NOT_ALLOWED if request is not None:
+            return only_others(texts, known, request) or refusal_words(texts, refused)
         case _:
             return refusal_words(texts, refused)
 
@@ -263,10 +286,14 @@ def why_refused(
     """
     unknown = refusal.reason in {RuleReason.UNKNOWN_ROBOT, RuleReason.UNKNOWN_ROOM}
     explains = not unknown and texts.has(_refusal_key(refusal))
-    return (_why_not(texts, known, request) if explains else None) or refusal_words(texts, refusal)
+    others = refusal.reason == KeeperReason.UNDER_DISCUSSION and known.seat is not None
+    general = texts.text("seats.other_talk") if others else refusal_words(texts, refusal)
+    return (_why_not(texts, known, request) if explains else None) or general
 
 
 def _why_not(texts: Texts, known: Situation, request: ParticipantRequest | None) -> str | None:
+    if request is not None and (others := only_others(texts, known, request)) is not None:
+        return others
     match request:
         case SelectRoom(robot, room):
             return why_not_go(texts, known, robot, room)

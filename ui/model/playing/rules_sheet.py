@@ -6,6 +6,7 @@ from typing import Literal
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.properties import Teller, TreasureProperty
 from thbridge.roles.shared.view import View
+from ui.model.playing.seat_view import sees_energy, sees_score
 from ui.model.playing.words import percent
 
 
@@ -22,6 +23,8 @@ def rules_of(texts: Texts, view: View) -> tuple[str, ...]:
         by_position=view.by_position,
         properties=view.properties,
         has_last_word=view.has_last_word,
+        shows_energy=sees_energy(view),
+        shows_score=sees_score(view),
     )
 
 
@@ -36,6 +39,8 @@ def rules_lines(
     by_position: bool = False,
     properties: Sequence[TreasureProperty] = (),
     has_last_word: Literal["both", "participant", "robot"] | None = None,
+    shows_energy: bool = True,
+    shows_score: bool = True,
 ) -> tuple[str, ...]:
     """Return the rules with the numbers of a study.
 
@@ -50,14 +55,18 @@ def rules_lines(
             `moves` are then the costs between rooms.
         properties: properties of treasures.
         has_last_word: the side that decides in the end if robots argue; None if robots do not argue.
+        shows_energy: False if the participant does not see energy and costs.
+        shows_score: False if the participant does not see the score and points.
     """
     start = "" if energy is None else f"{texts.text('rules.start', energy=energy)} "
     decision = () if has_last_word is None else (texts.text(f"rules.decision_of_{has_last_word}"),)
+    costs = f"{start}{_costs(texts, picture_cost, identify_cost, moves, by_position=by_position)}"
+    unseen = "" if shows_score else f" {texts.text('seats.rules_score')}"
     return (
         texts.text("rules.goal"),
-        f"{start}{_costs(texts, picture_cost, identify_cost, moves, by_position=by_position)}",
-        *_more(texts, properties),
-        f"{texts.text('rules.right')} {_wrong(texts, wrong_share)}",
+        costs if shows_energy else texts.text("seats.costs"),
+        *_more(texts, properties, shows_energy=shows_energy),
+        f"{texts.text('rules.right')} {_wrong(texts, wrong_share)}{unseen}",
         *decision,
         texts.text("rules.one_visit"),
         texts.text("rules.called_back"),
@@ -77,15 +86,17 @@ def _costs(texts: Texts, picture: float, naming: float, moves: tuple[float, floa
     )
 
 
-def _more(texts: Texts, properties: Sequence[TreasureProperty]) -> Iterator[str]:
+def _more(texts: Texts, properties: Sequence[TreasureProperty], *, shows_energy: bool) -> Iterator[str]:
     """Yield sentences about properties of treasures that a robot does not sense on arrival."""
     measured = [
         texts.clause("rules.sensed_one", property=texts.noun(each.label), cost=each.cost)
+        if shows_energy
+        else texts.clause("seats.sensed_one", property=texts.noun(each.label))
         for each in properties
         if each.is_measured
     ]
     if measured:
-        yield texts.text("rules.sensed", properties=texts.listed(measured))
+        yield texts.text("rules.sensed" if shows_energy else "seats.sensed", properties=texts.listed(measured))
     told = [
         texts.clause("rules.told_one", property=texts.noun(each.label))
         for each in properties

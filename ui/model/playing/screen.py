@@ -6,7 +6,7 @@ is impossible at the moment, it also has a reason in words.
 
 from dataclasses import dataclass
 from enum import IntEnum, StrEnum
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from thbridge.hunt.properties import PropertyDrawing
 from ui.model.shared.scene import RoomState
@@ -261,6 +261,70 @@ class SwitchSound(Act):
 
 
 @dataclass(frozen=True, slots=True)
+class HandOverAct(Act):
+    """Choose a teammate to hand over a robot to. If `robot` is None, it is the selected robot."""
+
+    robot: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class HandOverTo(Act):
+    """Hand over the robot of the question shown to a teammate, by the name of their seat."""
+
+    seat: str
+
+
+@dataclass(frozen=True, slots=True)
+class VoteAct(Act):
+    """Vote on an open decision, with a reason for the teammates, which may be empty."""
+
+    decision: int
+    agrees: bool
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ChooseAddressee(Act):
+    """Write the next text to this seat; if it is empty, to all."""
+
+    seat: str
+
+
+@dataclass(frozen=True, slots=True)
+class WriteText(Act):
+    """Report the text that is being written."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class SayToPeopleAct(Act):
+    """Send a text to a seat; if it is empty, to all.
+
+    The front end inserts the text of its field, and empties the field.
+    """
+
+    to: str
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class MarkReadAct(Act):
+    """Report that all texts up to the one with this number were shown."""
+
+    line: int
+
+
+PeopleAct: TypeAlias = ChooseAddressee | WriteText | SayToPeopleAct | MarkReadAct
+"""Act on the panel of the people in the game. It never depends on other parts of the screen."""
+
+
+@dataclass(frozen=True, slots=True)
+class GoToPeople(Act):
+    """Move the focus to the field for texts to other people. The front end does this itself."""
+
+
+@dataclass(frozen=True, slots=True)
 class Action:
     """Button for an act.
 
@@ -292,7 +356,7 @@ class RobotCard:
         robot: index in the team.
         name: name for people.
         selected: True for the robot that the participant commands.
-        energy: remaining energy.
+        energy: remaining energy; None if the participant does not see the energy.
         energy_at_start: greatest energy that any robot of the team has had: the full length of the energy bar.
         cost: energy of the move that the participant considers; None if no move is considered.
         affordable: True if the robot has enough energy for this move.
@@ -312,12 +376,17 @@ class RobotCard:
             treasure, or if `ask_back` is not None.
         warning: warning that the robot will have too little energy for acts at its destination, in words; empty if the
             energy is enough.
+        holder: in a game with several participants, the party that commands the robot, in words, also if it is the
+            participant; otherwise empty.
+        hand_over: button to hand over the robot to a teammate; None if no teammate can take it over, or if the
+            participant does not command it.
+        asked_for: True if a teammate asks for the robot.
     """
 
     robot: int
     name: str
     selected: bool
-    energy: float
+    energy: float | None
     energy_at_start: float
     cost: float | None
     affordable: bool
@@ -333,6 +402,25 @@ class RobotCard:
     ask_back: Action | None = None
     take_up: Action | None = None
     warning: str = ""
+    holder: str = ""
+    hand_over: Action | None = None
+    asked_for: bool = False
+
+    @property
+    def shown_commander(self) -> str:
+        """Line about the party that commands the robot; empty in a game with one participant who commands it."""
+        return self.holder or self.commander
+
+    @property
+    def buttons(self) -> tuple[tuple[str, Action], ...]:
+        """Buttons on the card, each with the name of its act in texts."""
+        named = (
+            ("stop", self.stop),
+            ("hand_over", self.hand_over),
+            ("ask_back", self.ask_back),
+            ("take_up", self.take_up),
+        )
+        return tuple((name, action) for name, action in named if action is not None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -406,7 +494,7 @@ class DialoguePopup:
     Attributes:
         robot: index of the robot.
         title: subject of the dialogue, in words.
-        sentences: (speaker, sentence), oldest first; the speaker is "robot" or "you".
+        sentences: (speaker, sentence), oldest first; the speaker is "robot", "you" or "teammate".
         choices: possible answers; empty while the robot prepares its next sentence.
         aside: button that puts the pop-up aside.
         warning: warning that the robot has enough energy to reach the room, but too little to take a picture or name
@@ -419,11 +507,12 @@ class DialoguePopup:
         enlarge: button that enlarges the picture; None if there is no picture.
         ended: True if the dialogue has ended.
         outcome: result of the dialogue; empty until the end, and if the robot's last sentence states the result.
+        partner: teammate who talks with the robot; empty if it is the participant.
     """
 
     robot: int
     title: str
-    sentences: tuple[tuple[Literal["robot", "you"], str], ...]
+    sentences: tuple[tuple[Literal["robot", "you", "teammate"], str], ...]
     choices: tuple[Action, ...]
     aside: Action
     warning: str = ""
@@ -435,6 +524,7 @@ class DialoguePopup:
     ended: bool = False
     outcome: str = ""
     enlarge: Action | None = None
+    partner: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -463,6 +553,7 @@ class TreasurePopup:
         unsure: button that asks the robot for the name; None if robots do not argue.
         enlarge: button that enlarges the picture; None if there is no picture.
         longest_name_it: `name_it` for the name that needs the most space; the layout reserves this space.
+        may_name: False if only teammates may name treasures. Then `names` is empty, and `talk` says who may.
     """
 
     robot: int
@@ -486,6 +577,7 @@ class TreasurePopup:
     enlarge: Action | None = None
     longest_name_it: Action | None = None
     called: tuple[str, ...] = ()
+    may_name: bool = True
 
     @property
     def acts(self) -> tuple[Action, ...]:
@@ -495,17 +587,31 @@ class TreasurePopup:
     @property
     def asks_for_name(self) -> bool:
         """True if the list of names is shown."""
-        return self.verdict is None
+        return self.verdict is None and self.may_name
 
 
 @dataclass(frozen=True, slots=True)
 class Confirmation:
-    """Question that asks for confirmation before a step that cannot be undone."""
+    """Question before a step that cannot be undone, or that needs a choice.
+
+    Attributes:
+        title: the question.
+        text: more about it.
+        yes: button of the step.
+        no: button that leaves everything as it is.
+        others: buttons of other possible steps.
+    """
 
     title: str
     text: str
     yes: Action
     no: Action
+    others: tuple[Action, ...] = ()
+
+    @property
+    def answers(self) -> tuple[Action, ...]:
+        """All buttons."""
+        return (self.yes, *self.others, self.no)
 
 
 @dataclass(frozen=True, slots=True)
@@ -524,18 +630,158 @@ class WaitingItem:
 
 
 @dataclass(frozen=True, slots=True)
+class CastVote:
+    """Vote that was cast.
+
+    Attributes:
+        words: the vote as a sentence, with the reason.
+        agrees: True if the person agrees.
+    """
+
+    words: str
+    agrees: bool
+
+
+@dataclass(frozen=True, slots=True)
+class OpenVote:
+    """Decision on which the participants of a game vote.
+
+    Attributes:
+        decision: number of the decision.
+        robot: index of the robot that it is about; None if it is about no robot.
+        title: sentence that says who proposes what.
+        votes: votes that were cast, oldest first.
+        needed: number of people who must still agree, in words.
+        left: time until the vote ends, in words; empty if it is unknown.
+        agree: button to agree; None if the participant has proposed the decision.
+        disagree: button to disagree; None if `agree` is None.
+    """
+
+    decision: int
+    robot: int | None
+    title: str
+    votes: tuple[CastVote, ...]
+    needed: str
+    left: str
+    agree: Action | None
+    disagree: Action | None
+
+    @property
+    def buttons(self) -> tuple[Action, ...]:
+        """Buttons of the votes that the participant may cast."""
+        return tuple(action for action in (self.agree, self.disagree) if action is not None)
+
+
+@dataclass(frozen=True, slots=True)
 class HistoryLine:
     """Line of the history: an event, or a sentence of a dialogue.
 
     Attributes:
-        speaker: "robot", "you" or "game".
+        speaker: "robot", "you", "teammate" or "game".
         robot: index of the robot that speaks or is addressed; None if the speaker is the game.
         text: the sentence.
+        teammate: label of the teammate who speaks; empty for other speakers.
     """
 
-    speaker: Literal["robot", "you", "game"]
+    speaker: Literal["robot", "you", "teammate", "game"]
     robot: int | None
     text: str
+    teammate: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PersonRow:
+    """Person in the game: the participant, or a teammate.
+
+    Attributes:
+        seat: name of the seat.
+        name: words for the seat.
+        present: True if the person has joined.
+        presence: the same in words.
+        commands: robots that the person commands, in words.
+        robots: indices of these robots.
+        may: what the person may do, in words.
+    """
+
+    seat: str
+    name: str
+    present: bool
+    presence: str
+    commands: str
+    robots: tuple[int, ...]
+    may: str
+
+
+@dataclass(frozen=True, slots=True)
+class PersonText:
+    """Text of a person.
+
+    Attributes:
+        line: number of the text in the game; 0 while it is on its way.
+        who: author and addressee, in words.
+        text: the text, on one line and without control characters.
+        time: time of the game at which it was sent; words while it is on its way.
+        own: True if the participant wrote it.
+        pending: True while it is on its way.
+        new: True if the participant has not seen it yet.
+    """
+
+    line: int
+    who: str
+    text: str
+    time: str
+    own: bool
+    pending: bool = False
+    new: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PeoplePanel:
+    """Panel of the people in the game, with their texts.
+
+    Attributes:
+        title: heading.
+        own: the participant.
+        others: the teammates.
+        texts: all texts, oldest first.
+        nothing: sentence in place of texts; empty if there are texts.
+        unread: number of texts that the participant has not seen.
+        news: the same in words; empty for 0.
+        read: reports that all texts are shown; None if all are read.
+        writes: True if the panel shows a field for texts.
+        closed: reason why no text can be sent now; empty if one can.
+        addressees: buttons that choose an addressee; `Action.pending` is never set.
+        to: seat of the chosen addressee; empty for all.
+        prompt: label of the field, with the addressee.
+        draft: text in the field.
+        restored: number of times that the game replaced the text of the field; after a higher number than before, the
+            field must show `draft` again.
+        send: button that sends the text of the field.
+        longest: greatest length of a text, characters.
+    """
+
+    title: str
+    own: PersonRow
+    others: tuple[PersonRow, ...]
+    texts: tuple[PersonText, ...]
+    nothing: str
+    unread: int
+    news: str
+    read: MarkReadAct | None
+    writes: bool
+    closed: str
+    addressees: tuple[Action, ...]
+    to: str
+    prompt: str
+    draft: str
+    restored: int
+    send: Action
+    longest: int
+
+    @property
+    def addressee_act(self) -> ChooseAddressee:
+        """Act that chooses the present addressee."""
+        return ChooseAddressee(self.to)
 
 
 @dataclass(frozen=True, slots=True)
@@ -572,7 +818,7 @@ class Screen:
         decline: button that declines consent.
         banner: line at the top of the window.
         game: number of the game; 0 if there is no game to show.
-        score: score so far.
+        score: score so far; None if the participant does not see the score.
         progress: time played and number of rooms left, in words; empty before the game.
         cards: cards of the robots, one per robot.
         tiles: buttons of the rooms, one per room.
@@ -594,6 +840,9 @@ class Screen:
         typed: digits of a room number typed so far.
         announcement: last sentence for screen readers.
         announcement_number: number of the sentence; it increases, so equal sentences can follow each other.
+        people: the people in the game, and their texts; None if there is only one participant.
+        votes: open votes of the participants, oldest first.
+        no_map: sentence that replaces the map if the participant does not see it; otherwise empty.
     """
 
     phase: Phase
@@ -603,7 +852,7 @@ class Screen:
     decline: Action
     banner: Banner | None
     game: int
-    score: int
+    score: int | None
     cards: tuple[RobotCard, ...]
     tiles: tuple[RoomTile, ...]
     ask_advice: Action
@@ -624,3 +873,6 @@ class Screen:
     enlarged: bytes | None = None
     sound: GameSound | None = None
     sound_number: int = 0
+    people: PeoplePanel | None = None
+    votes: tuple[OpenVote, ...] = ()
+    no_map: str = ""

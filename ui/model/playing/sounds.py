@@ -5,6 +5,8 @@ from collections.abc import Iterator
 from thbridge.roles.shared.view import View
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.screen import GameSound
+from ui.model.playing.seat_view import decisions
+from ui.model.playing.votes import awaits_own
 
 
 def why_silent(memory: ParticipantMemory, hunt: HuntMemory) -> str:
@@ -26,4 +28,7 @@ def sounds_of(before: View, view: View) -> Iterator[GameSound]:
             yield GameSound.WON if new.verdict.points > 0 else GameSound.LOST
     known = {(dialogue.dialogue, dialogue.turn) for dialogue in before.dialogues if dialogue.choices}
     if any(dialogue.choices and (dialogue.dialogue, dialogue.turn) not in known for dialogue in view.dialogues):
+        yield GameSound.QUESTION
+    voted = {each.decision for each in decisions(before)}
+    if any(each.decision not in voted and awaits_own(view, each) for each in decisions(view)):
         yield GameSound.QUESTION

@@ -2,11 +2,16 @@
 
 from thbridge.dialogue.wording.texts import Texts, counted
 from ui.model.playing.keys import shown_key
-from ui.model.playing.screen import Action, HistoryLine, RobotCard, RoomTile, Screen
+from ui.model.playing.screen import Action, DialoguePopup, HistoryLine, RobotCard, RoomTile, Screen
 
 
 def energy_words(texts: Texts, card: RobotCard) -> tuple[str, ...]:
-    """Return the energy left and the cost of a considered move in words, in a long and a short version."""
+    """Return the energy left and the cost of a considered move in words, in a long and a short version.
+
+    Return no words if the participant does not see the energy.
+    """
+    if card.energy is None:
+        return ("",)
     energy, left = texts.number(card.energy), card.energy
     if card.cost is None:
         shown = energy
@@ -26,7 +31,7 @@ def spoken_card(texts: Texts, card: RobotCard) -> str:
         card.name,
         texts.text("window.selected") if card.selected else "",
         card.commanded,
-        texts.text("window.energy_of", energy=card.energy, full=card.energy_at_start),
+        "" if card.energy is None else texts.text("window.energy_of", energy=card.energy, full=card.energy_at_start),
         _spoken_cost(texts, card),
         card.state,
         card.place,
@@ -88,9 +93,37 @@ def speaker_of(texts: Texts, line: HistoryLine) -> str:
     """Return the name of the speaker of a line of the history; empty for the game."""
     if line.speaker == "game":
         return ""
+    if line.speaker == "teammate" and line.robot is not None:
+        return texts.text("seats.teammate_to", seat=line.teammate, robot=line.robot)
     if line.robot is None:
         return texts.text("window.you")
     return texts.text("window.you_to" if line.speaker == "you" else "window.robot", robot=line.robot)
+
+
+def name_of_speaker(texts: Texts, pop: DialoguePopup, speaker: str) -> str:
+    """Return the name of the speaker of a sentence in a pop-up: the robot, the participant, or a teammate."""
+    match speaker:
+        case "robot":
+            return texts.text("window.robot", robot=pop.robot)
+        case "teammate":
+            return pop.partner
+        case _:
+            return texts.text("window.you")
+
+
+def state_of(texts: Texts, pop: DialoguePopup) -> str:
+    """Return a remark about a dialogue: who decides, who talks with the robot, or that the robot is thinking."""
+    if pop.ended:
+        return ""
+    return pop.note if pop.choices or pop.partner else texts.text("window.thinking", robot=pop.robot)
+
+
+def spoken_act(texts: Texts, card: RobotCard, name: str) -> str:
+    """Return the name of an act of a card's button; see `RobotCard.buttons`."""
+    others = {"hand_over": "seats.hand_over_robot"}
+    if card.holder:
+        others["ask_back"] = "seats.ask_for_robot"
+    return texts.text(others.get(name, f"window.{name}"), robot=card.robot)
 
 
 def remark_of(texts: Texts, screen: Screen) -> str:

@@ -8,6 +8,8 @@ from ui.model.playing.keys import keyed
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.possible import energy_warning, why_not_ask, why_not_end, why_not_go
 from ui.model.playing.screen import Action, EndGameAct, RequestSuggestionAct, RoomTile, SelectRoomAct
+from ui.model.playing.seat_view import sees_energy, sees_score
+from ui.model.playing.votes import vote_on_end
 from ui.model.shared.points import gained
 from ui.model.shared.scene import decided
 
@@ -29,7 +31,7 @@ def dont_know(memory: ParticipantMemory, hunt: HuntMemory) -> Action:
 
 def end(hunt: HuntMemory) -> Action:
     """Return the button that ends the game."""
-    refused = why_not_end(hunt.texts, hunt.known)
+    refused = why_not_end(hunt.texts, hunt.known) or vote_on_end(hunt)
     asked = EndGame(hunt.view.game) in hunt.pending
     hint = hunt.texts.text("tiles.end_hint") if refused is None else refused
     return keyed(EndGameAct(), hunt.texts.text("tiles.end"), refused is None and not asked, hint, asked)
@@ -47,7 +49,7 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
         name=names.get(room.room) or hunt.texts.text("window.room", room=room.room),
         state=room.state if room.verdict is None else decided(room.verdict.points),
         robot=room.robot,
-        cost=costs[room.room] if costs is not None and room.state == "unvisited" else None,
+        cost=costs[room.room] if costs is not None and room.state == "unvisited" and sees_energy(hunt.view) else None,
         considered=room.room == (memory.considered() or hunt.destination_considered(robot)),
         found=found,
         found_shorter=tuple(shorter),
@@ -79,6 +81,8 @@ def _price(hunt: HuntMemory, robot: int, room: int, warning: str) -> str:
     texts, mover = hunt.texts, hunt.view.robots[robot]
     if mover.moving_to is not None:
         return texts.text("tiles.called_back_first", robot=robot, room=mover.moving_to)
+    if not sees_energy(hunt.view):
+        return texts.text("seats.send_there", robot=robot, room=room)
     cost = hunt.view.costs_from(mover)[room] or 0.0
     hint = texts.text("tiles.price", robot=robot, cost=cost, energy=mover.energy - cost)
     return f"{hint} {warning}".rstrip()
@@ -88,6 +92,8 @@ def _found(texts: Texts, view: View, room: RoomView) -> tuple[str, ...]:
     """Return texts of decreasing length about the known properties of the treasure in a room."""
     if room.verdict is not None:
         name, points = view.word_for(room.verdict.name) or texts.text("tiles.named"), gained(room.verdict.points)
+        if not sees_score(view):
+            return (name,)
         return f"{name}, {points}", name, points
     if room.left:
         return (texts.text("tiles.left"),)

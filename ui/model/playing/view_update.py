@@ -4,10 +4,12 @@ from collections.abc import Iterator, Sequence
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt import rules
-from thbridge.hunt.events import TreasureLeft
+from thbridge.hunt.events import Commander, TreasureLeft
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
-from thbridge.roles.shared.participant_rules import Discussed
+from thbridge.roles.shared.participant_rules import Discussed, KeeperReason
+from thbridge.roles.shared.seat_rights import why_not_allowed
+from thbridge.roles.shared.team_notices import SayToPeople
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     IdentifyTreasure,
@@ -28,6 +30,7 @@ from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, Trea
 from ui.model.playing.memory.state import (
     DepartUndecided,
     EndGameEarly,
+    HandOverStep,
     HuntMemory,
     LeaveLastTreasure,
     LeaveWindow,
@@ -35,6 +38,7 @@ from ui.model.playing.memory.state import (
     ParticipantMemory,
     Reroute,
 )
+from ui.model.playing.people import people_at_start, people_changes
 from ui.model.playing.possible import (
     ends_game,
     why_not_ask,
@@ -44,7 +48,9 @@ from ui.model.playing.possible import (
     why_not_name,
     why_refused,
 )
+from ui.model.playing.seat_view import decision_about, is_own, label_of, may_name, sees_energy
 from ui.model.playing.sounds import sounds_of
+from ui.model.playing.votes import news_of, results_of
 from ui.model.playing.words import commander_in_words, how_it_comes_back
 
 NOTE = 6.0
@@ -70,7 +76,10 @@ def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
     hunt.receive(view)
     hunt.most_energy = max([hunt.most_energy, *(robot.energy for robot in view.robots)])
     memory.history.receive(memory.texts, before, view)
+    for sentence in people_changes(memory.texts, before.team, view.team):
+        memory.history.add_event(sentence)
     memory.sounds += sounds_of(before, view)
+    _receive_team(memory, before, view, now)
     _receive_refunds(memory, before, view, now)
     _receive_rooms(memory, hunt, before, former.state, now)
     _receive_commanders(memory, hunt, before, former.discussed, now)
@@ -119,7 +128,8 @@ def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
     at_hand = (
         memory.selected if memory.turned and why_not_ask(hunt.texts, hunt.known, memory.selected) is None else None
     )
-    hunt.popups.update(tuple(_items(hunt)) if view.over is None else (), only_of=at_hand)
+    items = tuple(_items(hunt)) if view.over is None else ()
+    hunt.popups.update(items, only_of=at_hand, quiet=[item for item in items if _is_quiet(hunt, item)])
     hunt.note_reading()
     if hunt.enlarged != hunt.popups.shown:
         hunt.enlarged = None
@@ -145,10 +155,12 @@ def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
     agreed: list[ParticipantRequest] = []
     for consent in view.consents:
         match consent.matter:
-            case "select-room":
+            case "select-room" if decision_about(view, robot=consent.robot) is None:
                 agreed.append(SendRobot(consent.robot, consent.room))
             case "take-picture":
                 agreed.append(TakePicture(consent.room))
+            case "take-treasure" if decision_about(view, room=consent.room) is not None:
+                pass  # The team votes on it.
             case "take-treasure" if name := consent.name or hunt.submitted_names.get(consent.room, ""):
                 agreed.append(IdentifyTreasure(consent.room, name))
     sense = [
@@ -158,7 +170,10 @@ def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
 
 
 def _can_look(hunt: HuntMemory, room: RoomView) -> bool:
-    """Return True if a robot is at rest in a room, and can sense the treasure there."""
+    """Return True if a robot of the participant is at rest in a room, and can sense the treasure there."""
+    seat, state = hunt.known.seat, hunt.known.state
+    if seat is not None and why_not_allowed(state, seat, SenseTreasure(room.room)) is not None:
+        return False
     return isinstance(rules.sense(hunt.known.state, Room(room.room)), tuple)
 
 
@@ -173,10 +188,17 @@ def _begin(memory: ParticipantMemory, view: View) -> None:
     memory.typed, memory.note = "", None
     memory.sounds.clear()
     memory.selected = min(memory.selected, max(len(view.robots) - 1, 0))
+    if view.team is not None:
+        own = [robot.robot for robot in view.robots if not robot.has_other_commander]
+        memory.selected = memory.selected if memory.selected in own else next(iter(own), memory.selected)
     memory.followed = None if memory.followed is None else memory.selected
     memory.motions = ()
     memory.last_refusal = 0 if view.refusal is None else view.refusal.number
+    is_new = not memory.history.lines
     memory.history.receive(memory.texts, None, view, once=memory.once)
+    memory.talk.begin(view.game)
+    for sentence in people_at_start(memory.texts, view) if is_new else ():
+        memory.history.add_event(sentence)
     settle(memory, hunt)
 
 
@@ -200,7 +222,8 @@ def _receive_refunds(memory: ParticipantMemory, before: View, view: View, now: f
     for was, robot in zip(before.robots, view.robots, strict=True):
         stopped = was.moving_to and robot.moving_to is None and view.room(was.moving_to).state != "visited"
         if stopped and robot.energy > was.energy:
-            memory.note = Note(stopped_words(memory.texts, was, robot), now + NOTE)
+            words = stopped_words(memory.texts, was, robot, shows_energy=sees_energy(view))
+            memory.note = Note(words, now + NOTE)
 
 
 def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, former: GameState, now: float) -> None:
@@ -247,18 +270,52 @@ def _receive_commanders(
     texts = hunt.texts
     for was, robot in zip(before.robots, hunt.view.robots, strict=True):
         if robot.asked_back and not was.asked_back:
-            asked = texts.text("history.asked_back", commander=_commander(texts, robot), robot=robot.robot)
+            key = "seats.asked" if robot.commander is Commander.TEAMMATE else "history.asked_back"
+            commander = _commander(texts, robot)
+            asked = texts.text(key, commander=commander, seat=commander, robot=robot.robot)
             _announce(memory, asked, robot, now)
         if (was.commander, was.commander_name) == (robot.commander, robot.commander_name):
             continue
         if not robot.has_other_commander:
-            sentence = texts.text("history.yours_again", robot=robot.robot)
+            key = "seats.yours" if was.commander is Commander.TEAMMATE else "history.yours_again"
+            sentence = texts.text(key, robot=robot.robot)
         else:
             sentence = texts.text("history.commanded", robot=robot.robot, commander=_commander(texts, robot))
-            sentence += f" {how_it_comes_back(texts, robot.commander)}"
-            if any((about.robot, about.matter) == (robot.robot, "select-room") for about in discussed):
+            sentence += f" {how_it_comes_back(texts, robot.commander, hunt.known.seat)}"
+            mine = not was.has_other_commander
+            if mine and any((about.robot, about.matter) == (robot.robot, "select-room") for about in discussed):
                 sentence += f" {texts.text('history.talk_void')}"
         _announce(memory, sentence, robot, now)
+
+
+def _receive_team(memory: ParticipantMemory, before: View, view: View, now: float) -> None:
+    """Announce votes, and requests of teammates for robots of the participant."""
+    for sentence in news_of(memory.texts, before, view):
+        memory.history.add_event(sentence)
+    if results := results_of(memory.texts, before, view):
+        memory.note = Note(results, now + NOTE)
+    asked = () if before.team is None else before.team.asked_for
+    for robot, seat in () if view.team is None else view.team.asked_for:
+        if (robot, seat) not in asked:
+            wants = memory.texts.text("seats.wants", seat=label_of(view, seat), robot=robot)
+            _announce(memory, wants, view.robots[robot], now)
+
+
+def _is_quiet(hunt: HuntMemory, item: PopupItem) -> bool:
+    """Return True if a pop-up is about a teammate's dialogue or treasure, so that it does not open by itself.
+
+    A treasure that a teammate's robot found is the participant's only if they may name it, and that teammate may not.
+    """
+    view = hunt.view
+    if view.team is None or not view.robots[item.robot].has_other_commander:
+        return False
+    if isinstance(item, DestinationItem):
+        return True
+    commander = view.robots[item.robot].commander_name
+    finds = any(mate.seat.label == commander and mate.seat.names_treasures for mate in view.team.teammates)
+    dialogue = hunt.treasure_dialogue(item)
+    talks = dialogue is not None and is_own(view, dialogue.robot, dialogue.matter)
+    return not may_name(view) or (finds and not talks)
 
 
 def _commander(texts: Texts, robot: RobotView) -> str:
@@ -277,6 +334,14 @@ def _receive_refusal(memory: ParticipantMemory, hunt: HuntMemory, now: float) ->
         return
     memory.last_refusal = number
     if refusal is None:
+        return
+    if refusal.wish == kind_of(SayToPeople):
+        memory.talk.restore()
+    if refusal.reason == KeeperReason.NOT_AGREED_ON and hunt.view.team is not None:
+        # The result of the vote is in the history already.
+        hunt.pending.drop_refused(refusal)
+        if refusal.wish == kind_of(IdentifyTreasure):
+            hunt.submitted_names.clear()
         return
     sentence = why_refused(hunt.texts, hunt.known, refusal, hunt.pending.drop_refused(refusal))
     memory.note = Note(sentence, now + NOTE)
@@ -327,6 +392,10 @@ def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float)
                 reason = texts.text("game.decided_by_now")
             elif not ends_game(hunt.known, TreasureLeft(Room(room))):
                 reason = texts.text("game.something_left")
+        case HandOverStep(robot):
+            reason = why_not_command(texts, hunt.known, robot)
+            if reason is None and hunt.view.over is not None:
+                reason = texts.text("hints.refused_game_over")
         case LeaveWindow():
             reason = None if hunt.view.over is None else texts.text("hints.refused_game_over")
         case None:

@@ -6,11 +6,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import get_args
 
+import msgspec
+
 from sim.common.robot_numbers import robot_name
 from thbridge.analysis.report.ways_made import WaysMade
+from thbridge.hunt.codec import from_json
 from thbridge.hunt.event_words import event_in_words, kind_in_words
-from thbridge.hunt.events import Commander
+from thbridge.hunt.events import Commander, PersonSaid, TeamEntry
 from thbridge.hunt.rooms import RoomNames
+from thbridge.hunt.seats import Seat
+from thbridge.hunt.team_words import entry_in_words, seat_of_entry
 from thbridge.hunt.treasures import name_in_words
 from thbridge.json_text import json_of
 from thbridge.ros import names
@@ -79,8 +84,8 @@ class RoomStatus:
 class _GameStatus:
     """State of the game at a certain time.
 
-    It has the rooms by number, the commanders of robots that the participant does not command, by index of the robot,
-    and the time at which the game began.
+    It has the rooms by number, the commanders of robots that the one participant does not command, by index of the
+    robot, and the time at which the game began.
     """
 
     rooms: dict[int, RoomStatus]
@@ -167,6 +172,8 @@ class SessionLog:
         match message.msgtype:
             case types.GAME_EVENT:
                 event = unpack.game_event(message.data)
+                if message.topic == names.TEAM:
+                    return self._team_entry(stamp, event)
                 fields = _fields(event.json)
                 self._follow(stamp, event, fields)
                 who = "" if event.robot is None else robot_name(event.robot)
@@ -174,7 +181,8 @@ class SessionLog:
                 return Entry(stamp, "event", what, who, event.robot, event.room, text, event.kind in IMPORTANT)
             case types.UTTERANCE:
                 utterance = unpack.utterance(message.data)
-                speaker = robot_name(utterance.robot) if utterance.speaker == "robot" else "participant"
+                person = utterance.seat or "participant"
+                speaker = robot_name(utterance.robot) if utterance.speaker == "robot" else person
                 speaker += " (wizard)" if utterance.author == "wizard" else ""
                 text = utterance.text or utterance.move
                 what = utterance.scenario.replace("-", " ")
@@ -198,6 +206,15 @@ class SessionLog:
                 return Entry(stamp, "line", message.topic, "", None, None, unpack.string(message.data).rstrip("\r\n"))
         return None
 
+    def _team_entry(self, stamp: int, event: GameEvent) -> Entry | None:
+        """Return the entry for a text or a vote of a participant."""
+        entry = from_json(event.json)
+        if not isinstance(entry, TeamEntry):
+            return None
+        list_of: EntryKind = "said" if isinstance(entry, PersonSaid) else "event"
+        text = entry_in_words(entry, self.room_names)
+        return Entry(stamp, list_of, kind_in_words(event.kind), seat_of_entry(entry), event.robot, event.room, text)
+
     def _follow(self, stamp: int, event: GameEvent, fields: dict[str, object]) -> None:
         """Apply an event to the states of rooms and robots."""
         before = self._statuses[-1]
@@ -205,7 +222,7 @@ class SessionLog:
         room_before = rooms.get(event.room or 0, RoomStatus())
         match event:
             case GameEvent("started"):
-                rooms, commanders, started = {}, {}, stamp
+                rooms, commanders, started = {}, _first_commanders(fields), stamp
             case GameEvent("hidden"):
                 treasures = fields.get("treasures")
                 if isinstance(treasures, list):
@@ -239,12 +256,21 @@ class SessionLog:
             self._statuses.append(_GameStatus(rooms, commanders, started))
 
 
+def _first_commanders(fields: dict[str, object]) -> dict[int, str]:
+    """Return the seats that command robots at the start of a game, by index of the robot."""
+    try:
+        seats = msgspec.convert(fields.get("seats", ()), tuple[Seat, ...])
+    except msgspec.ValidationError:
+        return {}
+    return {robot: seat.name for seat in seats for robot in seat.robots}
+
+
 def _commander(fields: dict[str, object]) -> str:
-    """Return the commander in an event, in words; empty if it is the participant."""
+    """Return the commander in an event, in words: for a participant, their seat; empty for the one participant."""
     by, name = fields.get("by"), fields.get("name")
     if by == Commander.RESEARCHER:
         return f"researcher {name}" if name else "a researcher"
-    return str(name or by or "") if by != Commander.PARTICIPANT else ""
+    return str(name or ("" if by == Commander.PARTICIPANT else by) or "")
 
 
 def _name(treasure: object) -> str:

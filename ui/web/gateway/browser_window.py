@@ -117,6 +117,11 @@ class BrowserWindow:
             self._game.watch()
 
     @property
+    def shows_game(self) -> bool:
+        """True while a connected browser shows a game, or the page before the next page of the study."""
+        return self.absence == 0.0 and any(isinstance(message, GameToJoin) for message in self._kept)
+
+    @property
     def absence(self) -> float:
         """Seconds since the browser was last connected; 0 while it is connected."""
         return 0.0 if self._gone_at is None else time.monotonic() - self._gone_at

@@ -10,10 +10,13 @@ from pathlib import Path
 import msgspec
 
 from ui.web.gateway.game_queue import GameQueue
+from ui.web.gateway.single import SHARED_GAME
 from ui.web.pool.running_games import RunningGames
 
 LOOK = 0.2
 """Seconds between two looks at the running games."""
+MOST_LINGER = 60.0
+"""Greatest number of seconds for which a server waits until people see the page after their game."""
 _STUDY_GAME = re.compile(r"(?P<person>.+)-(?P<step>\d+)-\d+(-practice)?")
 _NAMES = msgspec.json.Decoder(list[str])
 
@@ -30,12 +33,18 @@ class DrainPort:
         self._games = games
         self._queue = queue
         self._over: Callable[[], None] = lambda: None
+        self._is_seen: Callable[[], bool] = lambda: False
         self._ending: asyncio.Task[None] | None = None
 
     @asynccontextmanager
-    async def opened(self, over: Callable[[], None]) -> AsyncIterator[None]:
-        """Accept requests inside this context; `over` is called when the last game has ended after a request."""
-        self._over = over
+    async def opened(self, over: Callable[[], None], is_seen: Callable[[], bool]) -> AsyncIterator[None]:
+        """Accept requests inside this context.
+
+        Args:
+            over: function that is called after a request, when the last game has ended and no person sees it any more.
+            is_seen: function that returns True while a person sees a game, also one that has just ended.
+        """
+        self._over, self._is_seen = over, is_seen
         path = _path(self._games)
         path.unlink(missing_ok=True)
         server = await asyncio.start_unix_server(self._serve, path)
@@ -63,6 +72,11 @@ class DrainPort:
     async def _end(self) -> None:
         while [*self._games]:
             await asyncio.sleep(LOOK)
+        # People must receive the page after their game before the server ends.
+        with suppress(TimeoutError):
+            async with asyncio.timeout(MOST_LINGER):
+                while self._is_seen():
+                    await asyncio.sleep(LOOK)
         self._over()
 
 
@@ -94,5 +108,8 @@ def _sentence(keys: Iterable[str]) -> str:
     named = []
     for key in keys:
         found = _STUDY_GAME.fullmatch(key)
-        named.append("a visitor" if found is None else f"{found['person']} (step {found['step']})")
+        if found is not None:
+            named.append(f"{found['person']} (step {found['step']})")
+        else:
+            named.append("several visitors" if key.startswith(SHARED_GAME) else "a visitor")
     return f"Still playing: {', '.join(named)}." if named else "All games have ended."

@@ -36,3 +36,8 @@ class GameQueue:
     def admits(self, key: str) -> bool:
         """Return True if the game can start now."""
         return not self.is_closed and self._pool.free > self.before(key)
+
+    @property
+    def spare(self) -> int:
+        """Number of games that can start now in addition to the games of all people who wait in this queue."""
+        return 0 if self.is_closed else max(self._pool.free - len(self._waiting), 0)

@@ -14,6 +14,8 @@ from ui.web.page.theme_css import THEME_CSS
 
 STATIC = Path(__file__).parents[1] / "static"
 _KINDS = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
+_STYLES = ("page.css", "map.css", "votes.css")
+"""Style sheets that are one on the page."""
 _DIGEST = 16
 _HEADERS = {"Cache-Control": "public, max-age=31536000, immutable", "Vary": "Accept-Encoding"}
 
@@ -29,7 +31,7 @@ class PageFiles:
 
     def __init__(self) -> None:
         self._files = {path.name: path.read_bytes() for path in sorted(STATIC.iterdir()) if path.suffix in _KINDS}
-        self._files["page.css"] = THEME_CSS.encode() + self._files["page.css"] + self._files["map.css"]
+        self._files["page.css"] = THEME_CSS.encode() + b"".join(self._files[name] for name in _STYLES)
         self._compressed = {name: gzip.compress(file, mtime=0) for name, file in self._files.items()}
         digest = hashlib.sha256(b"".join(self._compressed.values())).hexdigest()[:_DIGEST]
         self.root = f"/static/{digest}"

@@ -202,6 +202,11 @@ class Visitors:
                 if visitor.window.absence > FORGOTTEN_AFTER:
                     self._forget(visitor)
 
+    @property
+    def see_games(self) -> bool:
+        """True while the browser of a visitor shows a game."""
+        return any(visitor.window.shows_game for visitor in self._by_secret.values())
+
     async def end(self) -> None:
         """End all courses."""
         courses = [visitor.course for visitor in self._by_secret.values() if visitor.course is not None]

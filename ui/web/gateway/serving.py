@@ -239,7 +239,7 @@ async def serve_visitors(
         server.should_exit = True
 
     try:
-        async with contextlib.nullcontext() if drain is None else drain.opened(end):
+        async with contextlib.nullcontext() if drain is None else drain.opened(end, lambda: visitors.see_games):
             await server.serve([options.listening])
     finally:
         forgetting.cancel()

@@ -1,12 +1,16 @@
-"""Course of a visitor to a study file: rules, consent, one game, thanks."""
+"""Course of a visitor to a study file: rules, consent, one game, thanks. A game may have several visitors."""
 
 import asyncio
 import hashlib
-from collections.abc import Callable
+import secrets
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.roles.shared.notices import GameTexts
+from thbridge.study.seats import seats_of
 from thbridge.study.study_file import Study
 from thbridge.timing.wall_clock import utc_now
 from ui.command_line.settings import setting_of
@@ -28,19 +32,56 @@ from ui.model.kiosk import (
 from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.entry import LinkEntry
 from ui.web.gateway.game_queue import LONGEST_WAIT, GameQueue
+from ui.web.gateway.lobby import ServedLobby, WaitEnd, await_place
+from ui.web.gateway.matching import MatchByArrival, MatchedGame
 from ui.web.gateway.people import Visitor
 from ui.web.gateway.waiting import pause, show_turn
 from ui.web.pool.messages import FromWorker, GamePassed, SeatWentOn
 from ui.web.pool.pool import DeathCount, HostedGame, WorkerDied, WorkerPool
+from ui.web.pool.running_games import GroupRecord
 from ui.web.pool.single_game import SingleGame
 
 MOST_ABSENCE = 300.0
-"""Seconds without the person's browser after which their game ends."""
+"""Seconds without the browser of any person of a game after which the game ends."""
+SHARED_GAME = "game-"
+"""Prefix of the keys of games of several visitors."""
 _DIGEST = 16
 
 
+@dataclass(slots=True)
+class ServedGame:
+    """Game of a study file, of one visitor or several.
+
+    Attributes:
+        key: key of the game.
+        request: the game.
+        people: seat of each person who has not finished it, by the person's key.
+        windows: browsers of these people, by their keys; those who have not come back since the server was started
+            again have none.
+        since: monotonic time from which this server serves the game.
+    """
+
+    key: str
+    request: SingleGame
+    people: dict[str, str]
+    windows: dict[str, BrowserWindow] = field(default_factory=dict)
+    since: float = field(default_factory=time.monotonic)
+
+    @property
+    def absence(self) -> float:
+        """Seconds for which none of these people has been connected."""
+        away = time.monotonic() - self.since
+        return min((self.windows[each].absence if each in self.windows else away for each in self.people), default=away)
+
+    @property
+    def record(self) -> GroupRecord:
+        """The people of the game, for the next server."""
+        people = {seat: person for person, seat in self.people.items()}
+        return GroupRecord(str(self.request.bag), people, {**self.request.consents})
+
+
 class SingleGames:
-    """Games of a study file: each visitor plays one.
+    """Games of a study file: each visitor plays one, alone or with others.
 
     Args:
         study: the study.
@@ -70,6 +111,14 @@ class SingleGames:
         self._queue = queue
         self._new_bag = new_bag
         self._max_seconds = max_seconds
+        self._games: dict[str, ServedGame] = {}
+        # Times of consent of the people in the lobby.
+        self._agreed: dict[str, str] = {}
+        self._labels = {seat.name: seat.label for seat in seats_of(study.seats)}
+        matching = MatchByArrival(tuple(self._labels), lambda: f"{SHARED_GAME}{secrets.token_hex(_DIGEST // 2)}")
+        self._lobby = ServedLobby(matching, self._begin_game, lambda: queue.spare)
+        for key, group in pool.games.groups():
+            self._add(key, self._request(Path(group.bag), group.consents), group.people)
 
     def window(self) -> BrowserWindow:
         """Return a window in the study's language."""
@@ -83,16 +132,20 @@ class SingleGames:
         """Take a visitor through the course, or lead them back to their game."""
         window = visitor.window
         await window.send(StudyTexts(GameTexts.of(self.texts)))
-        key = _key(visitor.secret)
-        page, agreed_at = 1, ""
-        if not self._has_begun(key):
+        person, page, agreed_at = _key(visitor.secret), 1, ""
+        if not self._has_begun(person):
             before = await self._prepare(window)
             if before is None:
                 return
             page, agreed_at = before
-            await self._await_turn(window, key, page)
+            if not self._labels:
+                await self._await_turn(window, person, page)
+            elif not await self._await_others(window, person, page, agreed_at):
+                return
             page += 1
-        await self._play(window, key, page, agreed_at)
+        if not self._labels:
+            self._add(person, self._request(self._new_bag(), {"": agreed_at}), {"": person})
+        await self._play(window, self._games[person], person, page)
 
     async def _prepare(self, window: BrowserWindow) -> tuple[int, str] | None:
         """Show rules and consent; return the number of the next page and the time of consent, or None if declined."""
@@ -124,8 +177,34 @@ class SingleGames:
         rules = "\n\n".join((texts.text("start.introduction"), *offer.rules))
         return TextToRead(page, texts.text("window.title"), rules, texts.text("start.begin", count=offer.usual))
 
-    def _has_begun(self, key: str) -> bool:
-        return self._pool.games.is_running(key) or self._pool.games.result(key) is not None
+    def _has_begun(self, person: str) -> bool:
+        if self._labels:
+            return person in self._games
+        return self._pool.games.is_running(person) or self._pool.games.result(person) is not None
+
+    def _request(self, bag: Path, consents: Mapping[str, str]) -> SingleGame:
+        return SingleGame(self._study, self._file, bag, False, consents, self._max_seconds)
+
+    def _add(self, key: str, request: SingleGame, people: Mapping[str, str]) -> ServedGame:
+        """Add a game with its people, by their seats."""
+        game = ServedGame(key, request, {person: seat for seat, person in people.items()})
+        self._games.update(dict.fromkeys(game.people, game))
+        return game
+
+    def _begin_game(self, matched: MatchedGame) -> None:
+        """Add a game whose people were in the lobby."""
+        consents = {seat: self._agreed.pop(person) for seat, person in matched.people.items()}
+        game = self._add(matched.key, self._request(self._new_bag(), consents), matched.people)
+        self._pool.games.keep_group(game.key, game.record)
+        self._pool.reserve(game.key)
+
+    def _finish(self, game: ServedGame, person: str) -> None:
+        """Note that a person has finished their game; after the last one, delete its files."""
+        del game.people[person], self._games[person]
+        if game.people:
+            self._pool.games.keep_group(game.key, game.record)
+        else:
+            self._pool.games.forget(game.key)
 
     async def _await_turn(self, window: BrowserWindow, key: str, page: int) -> None:
         """Let the visitor wait until their game can start."""
@@ -151,17 +230,47 @@ class SingleGames:
         if queue.is_closed:
             await pause(window, texts)
 
-    async def _play(self, window: BrowserWindow, key: str, page: int, agreed_at: str) -> None:
+    async def _await_others(self, window: BrowserWindow, person: str, page: int, agreed_at: str) -> bool:
+        """Let the visitor wait until a game with all its seats starts; return False after too long a wait."""
         texts = self.texts
-        await window.send(GamePrepared(page, texts.text("pages.preparing", count=self._study.robots)))
-        request = SingleGame(self._study, self._file, self._new_bag(), False, agreed_at, self._max_seconds)
-        went_on, deaths = False, DeathCount()
+        turn = TurnToAwait(page, *headed(texts, "waiting_for_others", "web"))
+
+        async def show(has_come: Callable[[], bool]) -> bool:
+            return await show_turn(turn, window, lambda: _about(window, page), has_come)
+
+        while True:
+            self._agreed[person] = agreed_at
+            try:
+                end, _ = await await_place(self._lobby, person, window, show, lambda: self._queue.is_closed)
+            finally:
+                self._agreed.pop(person, None)
+            match end:
+                case WaitEnd.PLACED:
+                    return True
+                case WaitEnd.CLOSED:
+                    await pause(window, texts)
+                case WaitEnd.UNMATCHED:
+                    await window.send(TextToRead(0, *headed(texts, "no_others", "web"), ""))
+                    return False
+                case WaitEnd.STOPPED:
+                    heading, text = headed(texts, "others_not_awaited", "web")
+                    await window.send(TextToRead(page, heading, text, texts.text("web.wait_again")))
+                    while not isinstance(await _about(window, page), WentOn):
+                        pass
+
+    async def _play(self, window: BrowserWindow, game: ServedGame, person: str, page: int) -> None:
+        texts, key, seat = self.texts, game.key, game.people[person]
+        prepared = texts.text("pages.preparing", count=self._study.robots)
+        if seat:
+            prepared = texts.text("web.others_found", seat=self._labels[seat])
+        await window.send(GamePrepared(page, prepared))
+        game.windows[person] = window
+        went_on, deaths = asyncio.Event(), DeathCount()
 
         def news(message: FromWorker) -> None:
-            nonlocal went_on
             match message:
                 case SeatWentOn():
-                    went_on = True
+                    went_on.set()
                 case GamePassed(seconds):
                     deaths.reached = seconds
                 case _:
@@ -170,7 +279,7 @@ class SingleGames:
         while not deaths.are_too_many:
             try:
                 if self._pool.games.result(key) is None:
-                    await self._play_once(window, key, page + 1, request, news)
+                    await self._play_once(window, game, person, page + 1, news, went_on)
                 break
             except WorkerDied:
                 deaths.add()  # Another worker resumes the game.
@@ -178,26 +287,41 @@ class SingleGames:
             stopped = texts.text("kiosk.program_stopped")
             await window.send(TextToRead(0, stopped, texts.text("kiosk.cannot_go_on"), ""))
             return
-        self._pool.games.forget(key)
+        self._finish(game, person)
         ended = texts.text("kiosk.game_ended")
-        if not went_on:
+        if not went_on.is_set():
             await window.send(GameRecorded(page + 2, ended, texts.text("kiosk.go_on_when_ready")))
             while not isinstance(await _about(window, page + 2), WentOn):
                 pass
         await window.send(TextToRead(0, texts.text("pages.thanks"), texts.text("web.played"), ""))
 
     async def _play_once(
-        self, window: BrowserWindow, key: str, page: int, request: SingleGame, news: Callable[[FromWorker], None]
+        self,
+        window: BrowserWindow,
+        game: ServedGame,
+        person: str,
+        page: int,
+        news: Callable[[FromWorker], None],
+        went_on: asyncio.Event,
     ) -> None:
-        async with self._pool.enter(key, request, window.show, news) as game:
+        async with self._pool.enter(game.key, game.request, window.show, news, game.people[person]) as hosted:
             window.has_place = True
-            window.play(game)
+            window.play(hosted)
             await window.send(GameToJoin(page, "", 0, "", practice=False))
-            watching = asyncio.create_task(_watch(window, game))
+            watching = asyncio.create_task(_watch(game, hosted))
+            ended = asyncio.create_task(hosted.ended())
+            gone_on = asyncio.create_task(went_on.wait())
             try:
-                await game.ended()
+                await asyncio.wait((ended, gone_on), return_when=asyncio.FIRST_COMPLETED)
+                # The others may play for longer. After the last person, the game ends at once.
+                if len(game.people) == 1:
+                    hosted.leave(everybody=True)
+                    await ended
+                elif ended.done():
+                    await ended
             finally:
-                watching.cancel()
+                for task in (watching, ended, gone_on):
+                    task.cancel()
                 window.play(None)
                 window.has_place = False
 
@@ -207,11 +331,11 @@ def _key(secret: str) -> str:
     return f"visitor-{hashlib.sha256(secret.encode()).hexdigest()[:_DIGEST]}"
 
 
-async def _watch(window: BrowserWindow, game: HostedGame) -> None:
-    """End a game whose person does not come back."""
-    while window.absence < MOST_ABSENCE:
+async def _watch(game: ServedGame, hosted: HostedGame) -> None:
+    """End a game whose people do not come back."""
+    while game.absence < MOST_ABSENCE:
         await asyncio.sleep(1.0)
-    game.leave()
+    hosted.leave(everybody=True)
 
 
 async def _about(window: BrowserWindow, page: int) -> FromKiosk:

@@ -51,8 +51,8 @@ async def show_turn(
     window: WindowOfKiosk,
     next_message: Callable[[], Awaitable[object]],
     has_come: Callable[[], bool],
-    before: Callable[[], int],
-    longest: float,
+    before: Callable[[], int] = lambda: 0,
+    longest: float = math.inf,
 ) -> bool:
     """Show a waiting page until a turn has come; see `await_turn`."""
     began = time.monotonic()

@@ -1,6 +1,6 @@
 """Page of the researcher's desk in a browser, with all its words."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from thbridge.dialogue.wording.texts import Texts
@@ -36,6 +36,9 @@ class PersonNow:
         plays: True if the person has a game.
         watch: command with which the researcher watches the game; empty before it was requested.
         watch_host: machine on which to run this command; empty for the machine of the study.
+        game: name of the person's game of several people; empty without one.
+        seat: words for the person's seat in this game.
+        waited: seconds for which the person has waited in the lobby; None outside it.
     """
 
     connection: str
@@ -44,6 +47,9 @@ class PersonNow:
     plays: bool
     watch: str = ""
     watch_host: str = ""
+    game: str = ""
+    seat: str = ""
+    waited: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,7 +199,7 @@ class DeskPageMaker:
             has_problems=bool(state.troubles),
             problems_heading=self._text("problems"),
             actions=self._common_actions(now) if now.may_act else (),
-            tables=(self._people(state, now), self._cells(state), self._messages(state)),
+            tables=(self._people(state, now), *self._teams(now), self._cells(state), self._messages(state)),
             told=now.told,
             cancel=self._text("cancel"),
             lost=self._text("lost"),
@@ -232,6 +238,20 @@ class DeskPageMaker:
     def _people(self, state: DeskState, now: DeskNow) -> DeskTable:
         rows = (self._person(run, now.people.get(run.participant), may_act=now.may_act) for run in ordered_runs(state))
         return self._table("people", PEOPLE, rows, "no_people")
+
+    def _teams(self, now: DeskNow) -> Iterator[DeskTable]:
+        """Yield the table of games with several people and of the lobby, if there are any."""
+        rows = [
+            DeskRow(who, (each.game, each.seat, who, self._text(each.connection)), mark=each.connection)
+            for who, each in sorted(now.people.items(), key=lambda item: (item[1].game, item[1].seat))
+            if each.game
+        ]
+        waiting = ((each.waited, who, each.connection) for who, each in now.people.items() if each.waited is not None)
+        for waited, who, connection in sorted(waiting, reverse=True):
+            clock = f"{waited // 60}:{waited % 60:02}"
+            rows.append(DeskRow(who, (self._text("lobby"), "", who, self._text("waits", time=clock)), mark=connection))
+        if rows:
+            yield self._table("teams", ("game", "seat", "participant", "state"), rows)
 
     def _person(self, run: DeskRun, person: PersonNow | None, *, may_act: bool) -> DeskRow:
         is_here = run.state == UNDER_WAY

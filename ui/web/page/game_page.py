@@ -20,7 +20,9 @@ from ui.model.playing.keys import HELP, act_for, button_keys, shown_key
 from ui.model.playing.screen import (
     Act,
     Action,
+    CastVote,
     DialoguePopup,
+    OpenVote,
     PickName,
     RobotCard,
     RoomTile,
@@ -32,15 +34,19 @@ from ui.model.playing.screen import (
 )
 from ui.model.playing.spoken import (
     energy_words,
+    name_of_speaker,
     remark_of,
     signed,
     speaker_of,
+    spoken_act,
     spoken_card,
     spoken_request,
     spoken_tile,
+    state_of,
     tile_words,
 )
 from ui.model.shared.scene import RobotMark
+from ui.web.page.people import PagePeople, page_of_people
 
 SourceT = TypeVar("SourceT")
 MadeT = TypeVar("MadeT")
@@ -87,7 +93,7 @@ class PageCard:
         number: its number, as people count.
         name: its name.
         selected: True for the robot that the participant commands.
-        energy: energy and the cost of the considered move in words, in decreasing length.
+        energy: energy and the cost of the considered move in words, in decreasing length; empty if it is hidden.
         left: share of the bar for the energy left, 0 to 1.
         kept: share of the bar for the energy that the considered move leaves, 0 to 1.
         affordable: True if the energy covers the considered move.
@@ -100,6 +106,7 @@ class PageCard:
         waits: number of pop-ups that wait for the participant.
         select: selects the robot.
         buttons: further acts with the robot.
+        asked_for: True if a teammate asks for the robot.
     """
 
     robot: int
@@ -119,6 +126,7 @@ class PageCard:
     waits: int
     select: PageButton
     buttons: tuple[PageButton, ...]
+    asked_for: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,7 +182,7 @@ class PageSentence:
     """Sentence in a dialogue or in the history.
 
     Attributes:
-        speaker: "robot", "you" or "game".
+        speaker: "robot", "you", "teammate" or "game".
         who: name of the speaker; empty for the game.
         text: the sentence.
         robot: index of the robot that speaks or is addressed; None without one.
@@ -276,6 +284,29 @@ class PageTreasure:
 
 
 @dataclass(frozen=True, slots=True)
+class PageVote:
+    """Open vote.
+
+    Attributes:
+        decision: number of the decision.
+        robot: index of the robot that it is about; None without one.
+        title: sentence that says who proposes what.
+        votes: votes that were cast.
+        needed: number of people who must still agree, in words.
+        left: time left, in words; empty if it is unknown.
+        buttons: votes that the participant may cast; empty if they have proposed the decision.
+    """
+
+    decision: int
+    robot: int | None
+    title: str
+    votes: tuple[CastVote, ...]
+    needed: str
+    left: str
+    buttons: tuple[PageButton, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class PageQuestion:
     """Question that asks for confirmation, or the page after the game; `lines` are its sentences."""
 
@@ -330,7 +361,7 @@ class BrowserPage:
         banner: text of the line across the top; empty without one.
         trouble: True if the banner reports a problem.
         game: number of the game in words; empty if there is only one.
-        score: points with their sign.
+        score: points with their sign; empty if the participant does not see the score.
         score_spoken: the score as a sentence.
         progress: time and rooms left.
         tools: buttons at the top.
@@ -357,6 +388,9 @@ class BrowserPage:
         sound: name of the last sound; empty before the first.
         sound_number: number of the sound.
         advise: in a practice game, a sentence about what to do next.
+        votes: open votes of the participants.
+        no_map: sentence that replaces the map if the participant does not see it; otherwise empty.
+        people: the people in the game, and their texts; None if there is only one participant.
     """
 
     phase: str
@@ -393,6 +427,9 @@ class BrowserPage:
     sound: str
     sound_number: int
     advise: str
+    votes: tuple[PageVote, ...]
+    no_map: str
+    people: PagePeople | None
 
 
 class BrowserPageMaker:
@@ -446,8 +483,8 @@ class BrowserPageMaker:
             banner="" if screen.banner is None else screen.banner.text,
             trouble=screen.banner is not None and screen.banner.kind == "bad",
             game=texts.text("window.game", number=screen.game) if screen.game else "",
-            score=signed(screen.score),
-            score_spoken=texts.text("window.score_is", score=screen.score),
+            score="" if screen.score is None else signed(screen.score),
+            score_spoken="" if screen.score is None else texts.text("window.score_is", score=screen.score),
             progress=screen.progress,
             tools=kept("tools", (*screen.tools, screen.end), button.all),
             cards=tuple(kept(f"card{card.robot}", card, button.card) for card in screen.cards),
@@ -487,6 +524,9 @@ class BrowserPageMaker:
             sound="" if screen.sound is None else screen.sound.name.lower(),
             sound_number=screen.sound_number,
             advise=advise,
+            votes=kept("votes", screen.votes, lambda votes: tuple(button.vote(vote) for vote in votes)),
+            no_map=screen.no_map,
+            people=kept("people", screen.people, lambda panel: page_of_people(texts, panel)),
         )
 
     def _kept(self, name: str, source: SourceT, make: Callable[[SourceT], MadeT]) -> MadeT:
@@ -502,23 +542,17 @@ class BrowserPageMaker:
         if not isinstance(pop, DialoguePopup):
             return None
         texts = button.texts
-        state = pop.note if pop.choices else texts.text("window.thinking", robot=pop.robot)
         return PageDialogue(
             robot=pop.robot,
             room=pop.room,
             title=pop.title,
             sentences=tuple(
-                PageSentence(
-                    speaker,
-                    texts.text("window.robot", robot=pop.robot) if speaker == "robot" else texts.text("window.you"),
-                    text,
-                    pop.robot,
-                )
+                PageSentence(speaker, name_of_speaker(texts, pop, speaker), text, pop.robot)
                 for speaker, text in pop.sentences
             ),
             choices=button.all(pop.choices),
             aside=button.one(pop.aside),
-            state="" if pop.ended else state,
+            state=state_of(texts, pop),
             outcome=pop.outcome,
             warning=texts.text("window.warning", warning=pop.warning) if pop.warning else "",
             facts=tuple(button.fact(fact) for fact in pop.facts if fact.value),
@@ -586,18 +620,18 @@ class _ButtonMaker:
     def card(self, card: RobotCard) -> PageCard:
         """Return the card of a robot."""
         texts = self.texts
-        full = max(card.energy_at_start, card.energy, 1e-9)
-        offered = (("stop", card.stop), ("ask_back", card.ask_back), ("take_up", card.take_up))
+        energy = card.energy or 0.0
+        full = max(card.energy_at_start, energy, 1e-9)
         return PageCard(
             robot=card.robot,
             number=number_of(card.robot),
             name=card.name,
             selected=card.selected,
-            energy=energy_words(texts, card),
-            left=round(card.energy / full, 3),
-            kept=round(max(0.0, card.energy - (card.cost or 0.0)) / full, 3),
+            energy=() if card.energy is None else energy_words(texts, card),
+            left=round(energy / full, 3),
+            kept=round(max(0.0, energy - (card.cost or 0.0)) / full, 3),
             affordable=card.affordable,
-            commander=card.commander[:1].upper() + card.commander[1:],
+            commander=card.shown_commander[:1].upper() + card.shown_commander[1:],
             state=card.state,
             place=card.place,
             trouble=card.trouble,
@@ -606,13 +640,16 @@ class _ButtonMaker:
             waits=card.waits,
             select=self.one(card.select, spoken_card(texts, card)),
             buttons=tuple(
-                replace(
-                    self.one(action),
-                    spoken=spoken_request(texts, texts.text(f"window.{name}", robot=card.robot), action),
-                )
-                for name, action in offered
-                if action is not None
+                replace(self.one(action), spoken=spoken_request(texts, spoken_act(texts, card, name), action))
+                for name, action in card.buttons
             ),
+            asked_for=card.asked_for,
+        )
+
+    def vote(self, vote: OpenVote) -> PageVote:
+        """Return an open vote."""
+        return PageVote(
+            vote.decision, vote.robot, vote.title, vote.votes, vote.needed, vote.left, self.all(vote.buttons)
         )
 
     def tile(self, tile: RoomTile) -> PageTile:
@@ -667,7 +704,7 @@ def _names(texts: Texts, pop: TreasurePopup) -> tuple[PageName, ...]:
 
 def _question(button: _ButtonMaker, screen: Screen) -> PageQuestion | None:
     asked = screen.confirmation
-    return None if asked is None else PageQuestion(asked.title, (asked.text,), button.all((asked.yes, asked.no)))
+    return None if asked is None else PageQuestion(asked.title, (asked.text,), button.all(asked.answers))
 
 
 def _robot(mark: RobotMark) -> PageRobot:

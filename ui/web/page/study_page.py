@@ -344,6 +344,8 @@ PAGE_WORDS = (
     "window.history",
     "window.possible_names",
     "window.what_was_said",
+    "votes.title",
+    "votes.reason",
     "map.name",
     "pages.before",
     "pages.one_moment",

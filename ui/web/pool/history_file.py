@@ -10,7 +10,18 @@ import msgspec
 from ui.model.playing.screen import HistoryLine
 
 _log = logging.getLogger(__name__)
-_LINES = msgspec.json.Decoder(tuple[Literal["robot", "you", "game"], int | None, str])
+
+
+class _Line(msgspec.Struct, array_like=True):
+    """Line of the file."""
+
+    speaker: Literal["robot", "you", "teammate", "game"]
+    robot: int | None
+    text: str
+    teammate: str = ""
+
+
+_LINES = msgspec.json.Decoder(_Line)
 
 
 class HistoryFile:
@@ -31,7 +42,8 @@ class HistoryFile:
         """See `KeptLines`."""
         try:
             with self._path.open("ab", buffering=0) as file:
-                file.write(msgspec.json.encode((line.speaker, line.robot, line.text)) + b"\n")
+                teammate = (line.teammate,) if line.teammate else ()
+                file.write(msgspec.json.encode((line.speaker, line.robot, line.text, *teammate)) + b"\n")
         except OSError as error:
             _log.warning("the history of a game is not kept: %s", error)
 
@@ -42,6 +54,7 @@ class HistoryFile:
     def _read(self) -> Iterator[HistoryLine]:
         for line in self._path.read_bytes().splitlines() if self._path.exists() else ():
             try:
-                yield HistoryLine(*_LINES.decode(line))
+                kept = _LINES.decode(line)
+                yield HistoryLine(kept.speaker, kept.robot, kept.text, kept.teammate)
             except msgspec.MsgspecError:
                 return  # The disk was full.

@@ -12,9 +12,16 @@ LONGEST_LINE = 4 * 1024 * 1024
 
 
 class GatewayHello(msgspec.Struct, frozen=True, tag="hello"):
-    """Gateway: first message of a connection; `token` is the worker's secret."""
+    """Gateway: first message of a connection.
+
+    Attributes:
+        token: the worker's secret.
+        seat: name of the seat whose messages the connection has; empty in a game with one participant. If None, no
+            person is there: the connection keeps the game alive, and gets its result.
+    """
 
     token: str
+    seat: str | None = ""
 
 
 class BrowserJoined(msgspec.Struct, frozen=True, tag="joined"):
@@ -43,7 +50,12 @@ class WatchWanted(msgspec.Struct, frozen=True, tag="watch"):
 
 
 class PersonLeft(msgspec.Struct, frozen=True, tag="leave"):
-    """Gateway: the person has left the game, or their run has ended; the game ends."""
+    """Gateway: the person has left the game, or their run has ended. The game ends when all people have left.
+
+    If `everybody` is True, all people have left.
+    """
+
+    everybody: bool = False
 
 
 class ResultKept(msgspec.Struct, frozen=True, tag="kept"):

@@ -108,7 +108,7 @@ class RemoteHosts(Protocol):
 
 
 class HostedGame:
-    """Game in a worker, as the gateway sees it.
+    """Game in a worker, as the gateway sees it for one person.
 
     Args:
         reader: connection to the worker.
@@ -149,9 +149,9 @@ class HostedGame:
         """Let researchers' windows connect to the game."""
         self._send(WatchWanted())
 
-    def leave(self) -> None:
-        """End the game, because its person has left."""
-        self._send(PersonLeft())
+    def leave(self, *, everybody: bool = False) -> None:
+        """Note that the person has left, or that all people of the game have left; then the game ends."""
+        self._send(PersonLeft(everybody))
 
     def confirm(self) -> None:
         """Confirm to the worker that its result is kept."""
@@ -199,15 +199,23 @@ class WorkerPool:
         self._remote = remote
         self._silent: dict[str, float] = {}
         self._homeless = 0
+        self._reserved: set[str] = set()
         self._context: ForkServerContext = multiprocessing.get_context("forkserver")
         self._context.set_forkserver_preload(["ui.web.pool.warm"])
         self._entered: dict[str, str] = {}
-        self._held: list[asyncio.Task[None]] = []
+        self._inside: Counter[str] = Counter()
+        self._starting: dict[str, asyncio.Lock] = {}
+        self._held: dict[str, asyncio.Task[None]] = {}
 
     @property
     def free(self) -> int:
         """Number of games that can still start."""
-        return max(sum(max(free, 0) for free in self._free_places().values()) - self._homeless, 0)
+        taken = self._homeless + len(self._reserved)
+        return max(sum(max(free, 0) for free in self._free_places().values()) - taken, 0)
+
+    def reserve(self, key: str) -> None:
+        """Count a game, whose people enter it in a moment."""
+        self._reserved.add(key)
 
     @property
     def playing(self) -> int:
@@ -238,16 +246,18 @@ class WorkerPool:
     async def _hold(self, key: str) -> None:
         with suppress(WorkerDied, TimeoutError):
             async with asyncio.timeout(1.0):
-                reader, writer = await self._connected(key)
-            self._held.append(asyncio.create_task(self._drain(key, reader, writer)))
+                reader, writer = await self._connected(key, None)
+            self._held[key] = asyncio.create_task(self._drain(key, reader, writer))
 
     async def _drain(self, key: str, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Read and drop the messages of a worker, but not its result."""
         game = HostedGame(reader, writer, lambda _text: None, lambda _message: None)
-        with suppress(TimeoutError, WorkerDied):
-            async with asyncio.timeout(HOLD_TIMEOUT):
-                self._keep(key, game, await game.ended())
-        writer.close()
+        try:
+            with suppress(TimeoutError, WorkerDied):
+                async with asyncio.timeout(HOLD_TIMEOUT):
+                    self._keep(key, game, await game.ended())
+        finally:
+            writer.close()
 
     async def probe(self) -> None:
         """Note again and again which games on other machines have ended while no one played them, until cancelled."""
@@ -261,45 +271,62 @@ class WorkerPool:
 
     @asynccontextmanager
     async def enter(
-        self, key: str, request: GameRequest, shown: Callable[[str], None], news: Callable[[FromWorker], None]
+        self,
+        key: str,
+        request: GameRequest,
+        shown: Callable[[str], None],
+        news: Callable[[FromWorker], None],
+        seat: str = "",
     ) -> AsyncIterator[HostedGame]:
-        """Connect to the worker that plays a game; if there is none, start one.
+        """Connect to the worker that plays a game, for the person in one of its seats; if there is none, start one.
 
-        If the block ends before the game, the worker waits for another connection.
+        If the block ends before the game, the worker waits for another connection. All people of a game give the same
+        key and request.
 
         Args:
             key: key of the game.
             request: the game.
             shown: function that receives messages for the browser.
             news: function that receives all other messages.
+            seat: name of the person's seat; empty in a game with one participant.
 
         Raises:
             WorkerDied: the worker could not be started, or died before the connection.
         """
         writer: asyncio.StreamWriter | None = None
+        self._inside[key] += 1
         try:
-            if self.games.is_running(key):
-                self._entered[key] = self.games.remote_host(key)
-            else:
-                await self._start(key, request)
-            reader, writer = await self._connected(key)
+            # Only the first person of a game starts it.
+            async with self._starting.setdefault(key, asyncio.Lock()):
+                self._reserved.discard(key)
+                if self.games.is_running(key):
+                    self._entered[key] = self.games.remote_host(key)
+                else:
+                    await self._start(key, request)
+            reader, writer = await self._connected(key, seat)
+            if (held := self._held.pop(key, None)) is not None:
+                held.cancel()
             game = HostedGame(reader, writer, shown, news)
             yield game
             if game.result is not None:
                 self._keep(key, game, game.result)
                 await self._gone(key)
         finally:
-            self._entered.pop(key, None)
+            self._inside[key] -= 1
+            if self._inside[key] == 0:
+                del self._inside[key]
+                self._starting.pop(key, None)
+                self._entered.pop(key, None)
             if writer is not None:
                 writer.close()
 
     async def end(self, key: str) -> None:
-        """End a game whose person does not come back to it, if it is running."""
+        """End a game whose people do not come back to it, if it is running."""
         with suppress(WorkerDied, TimeoutError):
             if self.games.is_running(key):
-                reader, writer = await self._connected(key)
+                reader, writer = await self._connected(key, None)
                 game = HostedGame(reader, writer, lambda _text: None, lambda _message: None)
-                game.leave()
+                game.leave(everybody=True)
                 if self.games.remote_host(key):
                     async with asyncio.timeout(END_TIMEOUT):
                         await game.ended()
@@ -350,7 +377,7 @@ class WorkerPool:
                 self.games.keep(key, result)
             game.confirm()
 
-    async def _connected(self, key: str) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+    async def _connected(self, key: str, seat: str | None) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
         loop = asyncio.get_running_loop()
         late = loop.time() + START_TIMEOUT
         while self.games.is_running(key) and (loop.time() < late or self.games.remote_host(key)):
@@ -358,7 +385,7 @@ class WorkerPool:
             if address is not None:
                 with suppress(OSError):
                     reader, writer = await self._dial(key)
-                    writer.write(encode_line(GatewayHello(address.token)))
+                    writer.write(encode_line(GatewayHello(address.token, seat)))
                     return reader, writer
             await asyncio.sleep(LOOK)
         raise WorkerDied

@@ -17,7 +17,7 @@ from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
 from ui.web.pool.messages import WorkerResult
 
-_GAME, _RESULT, _SOCKET, _REMOTE, _HISTORY = ".game", ".result", ".sock", ".remote", ".history"
+_GAME, _RESULT, _SOCKET, _REMOTE, _HISTORY, _GROUP = ".game", ".result", ".sock", ".remote", ".history", ".group"
 _RESULTS = msgspec.json.Decoder(WorkerResult)
 _OTHERS = 0o077
 _DIGEST = 16
@@ -41,6 +41,20 @@ class WorkerAddress(msgspec.Struct, frozen=True):
     def host(self) -> str:
         """Host of a worker on another machine; empty for a worker on this machine."""
         return urlsplit(self.socket).hostname or "" if "://" in self.socket else ""
+
+
+class GroupRecord(msgspec.Struct, frozen=True):
+    """People who play one game of a study file.
+
+    Attributes:
+        bag: path of the recording.
+        people: key of each person who has not finished the game, by seat.
+        consents: times at which people gave consent, by seat; empty texts if they were not asked.
+    """
+
+    bag: str
+    people: dict[str, str]
+    consents: dict[str, str]
 
 
 class RunningGames:
@@ -158,14 +172,25 @@ class RunningGames:
         """Keep the result of a game until `forget`."""
         write_whole(self._result(key), msgspec.json.encode(result), mode=0o600)
 
-    def history(self, key: str) -> Path:
-        """Return the path of a game's history, which the next process of the game continues."""
-        return self.folder / f"{key}{_HISTORY}"
+    def history(self, key: str, seat: str = "") -> Path:
+        """Return the path of the history of a seat, which the next process of the game continues."""
+        return self.folder / f"{key}{f'.{seat}' if seat else ''}{_HISTORY}"
 
     def forget(self, key: str) -> None:
-        """Delete the result and the history of a game, because the result is in the log."""
-        for path in (self._result(key), self.history(key)):
+        """Delete the result, the histories and the people of a game, because the result is in the log."""
+        for path in (self._result(key), self.history(key), self._group(key), *self.folder.glob(f"{key}.*{_HISTORY}")):
             path.unlink(missing_ok=True)
+
+    def keep_group(self, key: str, group: GroupRecord) -> None:
+        """Keep the people of a game, for the next server."""
+        write_whole(self._group(key), msgspec.json.encode(group), mode=0o600)
+
+    def groups(self) -> Iterator[tuple[str, GroupRecord]]:
+        """Yield the keys and the people of all games that are running, or whose results are not used yet."""
+        for path in self.folder.glob(f"*{_GROUP}"):
+            if self.is_running(path.stem) or self._result(path.stem).exists():
+                with suppress(msgspec.MsgspecError):
+                    yield path.stem, msgspec.json.decode(path.read_bytes(), type=GroupRecord)
 
     def tidy(self) -> None:
         """Delete the files of workers that have died."""
@@ -176,12 +201,19 @@ class RunningGames:
         for path in self.folder.glob(f"*{_SOCKET}"):
             if str(path) not in living:
                 path.unlink(missing_ok=True)
+        groups = {key for key, _ in self.groups()}
+        for path in self.folder.glob(f"*{_GROUP}"):
+            if path.stem not in groups:
+                self.forget(path.stem)
 
     def _record(self, key: str) -> Path:
         return self.folder / f"{key}{_GAME}"
 
     def _remote(self, key: str) -> Path:
         return self.folder / f"{key}{_REMOTE}"
+
+    def _group(self, key: str) -> Path:
+        return self.folder / f"{key}{_GROUP}"
 
     def _result(self, key: str) -> Path:
         return self.folder / f"{key}{_RESULT}"

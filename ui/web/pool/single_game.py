@@ -1,5 +1,6 @@
-"""Game of a study file, for one visitor."""
+"""Game of a study file, for one visitor or several."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from ui.command_line.settings import setting_of
 from ui.hosting.games import practice_setting
 from ui.web.page.patches import Json
 from ui.web.pool.messages import GamePassed
-from ui.web.pool.worker import TICKS_AT_ONCE, SeatOfGame
+from ui.web.pool.worker import TICKS_AT_ONCE, PeopleInGame
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +30,7 @@ class SingleGame:
         file: its file, for relative paths.
         bag: path of the recording; None for no recording.
         practice: True for the practice game.
-        agreed_at: time at which the person gave consent; empty if they were not asked.
+        consents: see `GameRequest`.
         max_seconds: simulated seconds after which the game is stopped.
         once: True because another page follows the game.
     """
@@ -38,7 +39,7 @@ class SingleGame:
     file: Path | None
     bag: Path | None
     practice: bool
-    agreed_at: str
+    consents: Mapping[str, str]
     max_seconds: float
     once: bool = True
 
@@ -46,7 +47,7 @@ class SingleGame:
         """See `GameRequest`."""
         return setting_of(self.study, self.file).texts
 
-    async def play(self, seat: SeatOfGame) -> Json:
+    async def play(self, people: PeopleInGame) -> Json:
         """Play the game; return its score, and the reason for its end."""
         # Many games run on one machine, so each takes any free port.
         server = replace(self.study.server, host="127.0.0.1", port=0)
@@ -62,23 +63,23 @@ class SingleGame:
             frozenset(),
             "",
             self.max_seconds,
-            left=seat.has_left,
+            left=people.have_left,
             inputs=inputs,
-            checkpoints=seat.checkpoints,
+            checkpoints=people.checkpoints,
             ticks_at_once=TICKS_AT_ONCE,
         )
 
         def progress(moment: TickRecord) -> None:
             if moment.tick % TICKS_PER_SECOND == 0:
-                seat.report(GamePassed(moment.tick * TICK, 0.0, 0.0))
+                people.report(GamePassed(moment.tick * TICK, 0.0, 0.0))
 
         def ready(where: ListeningAddress | CannotListen) -> None:
             if isinstance(where, CannotListen):
                 raise BadFile(self.file or Path("study"), str(where), "write server.port: 0")
-            seat.ready(where)
+            people.ready(where)
 
         try:
-            outcome = await hunt.play(setting, None, options, ready, progress)
+            outcome = await hunt.play(setting, (), options, ready, progress)
         except HuntUnfinished as early:
             outcome = early.outcome
         return {"score": outcome.score, "over": outcome.over}

@@ -14,7 +14,7 @@ from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.kiosk.games import StudyGames
 from ui.web.page.patches import Json, tree
 from ui.web.pool.messages import GamePassed, RecordingBrokenOff, RecordingCutOff, StillToDo, TimeIsUp
-from ui.web.pool.worker import TICKS_AT_ONCE, SeatOfGame
+from ui.web.pool.worker import TICKS_AT_ONCE, PeopleInGame
 
 PASSED_PERIOD = 0.5
 """Simulated seconds between two reports of the times of a game."""
@@ -42,16 +42,21 @@ class StudyGame:
     agreed_at: str
     once: bool = True
 
+    @property
+    def consents(self) -> Mapping[str, str]:
+        """See `GameRequest`."""
+        return {"": self.agreed_at}
+
     def texts(self) -> Texts:
         """See `GameRequest`."""
         design = ExperimentFolder(self.folder).read()
         return texts_of(design.study, design.beside)
 
-    async def play(self, seat: SeatOfGame) -> Json:
+    async def play(self, people: PeopleInGame) -> Json:
         """Play the game; return its entry in the log, or the counts of a practice game."""
         folder = ExperimentFolder(self.folder)
-        games = StudyGames(folder, folder.read(), seat.checkpoints, seat.watch, TICKS_AT_ONCE)
-        watcher = _SeatWatcher(seat)
+        games = StudyGames(folder, folder.read(), people.checkpoints, people.watch, TICKS_AT_ONCE)
+        watcher = _PeopleWatcher(people)
         if self.practice:
             count = await games.practise(self.run, self.step, watcher)
             missing: dict[str, Json] = {str(term): number for term, number in count.missing.items()}
@@ -59,39 +64,39 @@ class StudyGame:
         return tree(await games.play(self.run, self.step, watcher, goes_on=self.goes_on))
 
 
-class _SeatWatcher:
+class _PeopleWatcher:
     """Watcher of a game that passes everything on to the gateway; see `GameWatcher` for the methods."""
 
-    def __init__(self, seat: SeatOfGame) -> None:
-        self._seat = seat
+    def __init__(self, people: PeopleInGame) -> None:
+        self._people = people
         self._passed = -PASSED_PERIOD
         self._missing: dict[str, float] | None = None
 
     def ready(self, where: ListeningAddress) -> None:
-        self._seat.ready(where)
+        self._people.ready(where)
 
     def passed(self, seconds: float, lag: float, left: float) -> None:
         if seconds - self._passed >= PASSED_PERIOD:
             self._passed = seconds
-            self._seat.report(GamePassed(seconds, lag, left))
+            self._people.report(GamePassed(seconds, lag, left))
 
     def still_to_do(self, missing: Mapping[PracticeTerm, float]) -> None:
         named = {str(term): float(number) for term, number in missing.items()}
         if named != self._missing:
             self._missing = named
-            self._seat.note(StillToDo(named))
+            self._people.note(StillToDo(named))
 
     def time_is_up(self) -> None:
-        self._seat.note(TimeIsUp())
+        self._people.note(TimeIsUp())
 
     def has_left(self) -> bool:
-        return self._seat.has_left()
+        return self._people.have_left()
 
     def has_seen_end(self) -> bool:
-        return self._seat.has_seen_end()
+        return self._people.have_seen_end()
 
     def broken_off(self, bag: Path | None) -> None:
-        self._seat.note(RecordingBrokenOff(None if bag is None else str(bag)))
+        self._people.note(RecordingBrokenOff(None if bag is None else str(bag)))
 
     def cut_off(self, bag: Path) -> None:
-        self._seat.note(RecordingCutOff(str(bag)))
+        self._people.note(RecordingCutOff(str(bag)))

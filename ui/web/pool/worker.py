@@ -7,7 +7,8 @@ import os
 import secrets
 import selectors
 import signal
-from collections.abc import Awaitable, Callable
+import time
+from collections.abc import Awaitable, Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
@@ -62,6 +63,8 @@ GATEWAY_TIMEOUT = 60.0
 """Seconds without a gateway after which a worker ends its game."""
 TICKS_AT_ONCE = 4
 """Number of ticks of a game that run one after the other: 12.5 times a second, so that each time gives one page."""
+AWAY = 6.0
+"""Seconds without a browser after which a person counts as away for the others in their game."""
 FAREWELL_TIMEOUT = 5.0
 """Seconds for a gateway to read the last messages."""
 
@@ -71,8 +74,8 @@ OpenSocket: TypeAlias = Callable[[ServeGateway], Awaitable[tuple[asyncio.Server,
 """Function that opens the socket of a worker, and returns its server and its address."""
 
 
-class SeatOfGame(Protocol):
-    """Seat of a person in a game that a request plays; see `Worker`."""
+class PeopleInGame(Protocol):
+    """People in a game that a request plays; see `Worker`."""
 
     @property
     def checkpoints(self) -> Checkpoints:
@@ -83,19 +86,19 @@ class SeatOfGame(Protocol):
         """Address for researchers' windows, whose server starts when the gateway wants it."""
 
     def ready(self, where: ListeningAddress) -> None:
-        """Seat the person at the game with this address."""
+        """Seat all people at the game with this address."""
 
-    def has_left(self) -> bool:
-        """Return True if the person has left the game."""
+    def have_left(self) -> bool:
+        """Return True if all people have left the game."""
 
-    def has_seen_end(self) -> bool:
-        """Return True if the person's browser shows the end of the game."""
+    def have_seen_end(self) -> bool:
+        """Return True if the browsers of all people who have not left show the end of the game."""
 
     def report(self, message: FromWorker) -> None:
-        """Send a message to the gateway that is connected now."""
+        """Send a message to all gateways' connections that are open now."""
 
     def note(self, message: FromWorker) -> None:
-        """Send a message to the gateway, also to one that connects later."""
+        """Send a message to all gateways' connections, also to later ones."""
 
 
 class GameRequest(Protocol):
@@ -110,14 +113,167 @@ class GameRequest(Protocol):
         """True if only one game is played, and another page follows."""
 
     @property
-    def agreed_at(self) -> str:
-        """Time at which the person gave consent; empty if they were not asked."""
+    def consents(self) -> Mapping[str, str]:
+        """Times at which people gave consent, by the names of their seats; empty texts if they were not asked.
+
+        The only seat of a game with one participant has an empty name.
+        """
 
     def texts(self) -> Texts:
         """Return the texts until the game has sent its own."""
 
-    async def play(self, seat: SeatOfGame) -> Json:
+    async def play(self, people: PeopleInGame) -> Json:
         """Play the game; return its result."""
+
+
+class _GatewayConnection:
+    """The gateway's connection for one seat, or for no seat. It is replaced when the gateway connects again.
+
+    Attributes:
+        writer: the connection; None while there is none.
+    """
+
+    def __init__(self) -> None:
+        self.writer: asyncio.StreamWriter | None = None
+        # Messages that a gateway needs to know, also one that connects later.
+        self._state: list[FromWorker] = []
+
+    def connect(self, writer: asyncio.StreamWriter) -> None:
+        """Use this connection from now on; the one before it belongs to a gateway that has died."""
+        before, self.writer = self.writer, writer
+        if before is not None:
+            before.close()
+        for message in self._state:
+            writer.write(encode_line(message))
+
+    def note(self, message: FromWorker) -> None:
+        """Send a message, also to gateways that connect later."""
+        self._state.append(message)
+        self.report(message)
+
+    def report(self, message: FromWorker) -> None:
+        """Send a message if a gateway is connected."""
+        if self.writer is not None:
+            self.writer.write(encode_line(message))
+
+    def forget_ready(self) -> None:
+        """Drop the connection and the message that the game can be joined: this process continues another one."""
+        self.writer = None
+        self._state = [message for message in self._state if not isinstance(message, GameReady)]
+
+
+class WorkerSeat:
+    """Seat of one person in a worker, with the gateway's connection for it.
+
+    Args:
+        name: name of the seat; empty in a game with one participant.
+        history: file with the person's history, for the next process; None for a game that is never resumed.
+
+    Attributes:
+        gateway: connection of the gateway.
+        left: True after the gateway has reported that the person has left.
+    """
+
+    def __init__(self, name: str, history: HistoryFile | None) -> None:
+        self.gateway = _GatewayConnection()
+        self.left = False
+        self._name = name
+        self._history = history
+        self._seat: GameSeat | None = None
+        self._running: asyncio.Task[None] | None = None
+        self._browser = False
+        self._stream = 0
+        self._gone_at = time.monotonic()
+        self._reported: set[type[FromWorker]] = set()
+
+    def join(self, request: GameRequest, where: ListeningAddress, token: str) -> None:
+        """Seat the person at the game with this address."""
+        host = WILDCARD_ADDRESSES.get(where.host, where.host)
+        agreed_at = request.consents[self._name]
+        consent = GiveConsent(agreed_at) if agreed_at else None
+        self._seat = GameSeat(
+            lambda report: GameConnection(host, where.port, token, report, consent, seat=self._name),
+            request.texts(),
+            practice=request.practice,
+            once=request.once,
+            kept=self._history,
+            acted=lambda act, view_age: self.gateway.report(PersonActed(act, view_age)),
+        )
+        self._running = asyncio.create_task(self._seat.run())
+        if self._browser:
+            self._seat.show_to(self._show)
+
+    async def leave(self) -> None:
+        """Leave the game."""
+        if self._seat is not None and self._running is not None:
+            self._seat.stop()
+            await asyncio.gather(self._running, return_exceptions=True)
+
+    def wake_up(self) -> None:
+        """Drop what belongs to the process that was killed. This process is a copy of it."""
+        self.gateway.forget_ready()
+        if self._running is not None:
+            self._running.cancel()
+        self._seat, self._running, self._browser = None, None, False
+        self._gone_at = time.monotonic()
+
+    def clear_history(self) -> None:
+        """Delete the person's history, because the game begins again."""
+        if self._history is not None:
+            self._history.clear()
+
+    def has_left(self) -> bool:
+        """Return True if the person has left the game; report what has happened at the seat."""
+        seat = self._seat
+        if seat is None:
+            return self.left
+        for happened, message in (
+            (seat.seen_over, SeatSeenOver()),
+            (seat.went_on, SeatWentOn()),
+            (seat.declined, SeatDeclined()),
+        ):
+            if happened and type(message) not in self._reported:
+                self._reported.add(type(message))
+                self.gateway.note(message)
+        left = self.left or seat.went_on or seat.declined
+        seat.note_presence(present=not left and (self._browser or time.monotonic() - self._gone_at < AWAY))
+        return left
+
+    @property
+    def has_seen_end(self) -> bool:
+        """True if the person's browser has shown the end of the game."""
+        return self._seat is not None and self._seat.seen_over
+
+    def receive(self, message: object) -> None:
+        """Process a message of the gateway about the person."""
+        match message:
+            case BrowserJoined(stream, again):
+                self._browser, self._stream = True, stream
+                if self._seat is not None:
+                    self._seat.show_to(self._show, again=again)
+            case BrowserLeft():
+                self.leave_browser()
+            case FromBrowser(text) if self._seat is not None:
+                try:
+                    said = FROM_GAME_PAGE.decode(text)
+                except msgspec.MsgspecError:
+                    return  # The gateway has no reason to end a game for a browser's mistake.
+                self._seat.receive(said)
+            case PersonLeft():
+                self.left = True
+            case _:
+                pass
+
+    def leave_browser(self) -> None:
+        """Note that no browser shows the game."""
+        if self._browser:
+            self._gone_at = time.monotonic()
+        self._browser = False
+        if self._seat is not None:
+            self._seat.show_to(None)
+
+    def _show(self, message: dict[str, Json]) -> None:
+        self.gateway.report(ToBrowser(msgspec.json.encode(message).decode(), self._stream))
 
 
 class Worker:
@@ -128,11 +284,12 @@ class Worker:
         token: secret of the worker.
         open_socket: function that opens the worker's socket.
         record: file in which the address of the worker is found.
-        history: file with the history of the game, for the next process; None for a game that is never resumed.
+        history: function that returns the file with the history of a seat, for the next process; None for a game that
+            is never resumed.
         keep: function that keeps the result, also if no gateway is connected. If None, a gateway must keep it.
 
     Attributes:
-        checkpoints: see `SeatOfGame`.
+        checkpoints: see `PeopleInGame`.
     """
 
     def __init__(
@@ -141,12 +298,11 @@ class Worker:
         token: str,
         open_socket: OpenSocket,
         record: IO[bytes],
-        history: HistoryFile | None,
+        history: Callable[[str], HistoryFile] | None,
         keep: Callable[[WorkerResult], None] | None,
     ) -> None:
         self.checkpoints = SleepingCopies(record, self._wake_up)
         self._record = record
-        self._history = history
         self._request = request
         self._address = WorkerAddress("", token, os.getpid())
         self._open_socket = open_socket
@@ -154,19 +310,18 @@ class Worker:
         self._result_kept = asyncio.Event()
         # Sockets at which other programs connect to this process: the gateway, and researchers' windows.
         self._places: set[str | int] = set()
-        self._gateway: asyncio.StreamWriter | None = None
+        self._seats = {name: WorkerSeat(name, None if history is None else history(name)) for name in request.consents}
+        self._without_seat = _GatewayConnection()
         self._connected = asyncio.Event()
-        self._seat: GameSeat | None = None
-        self._seated: asyncio.Task[None] | None = None
-        self._browser = False
         self._watch_wanted = False
         self._start_watching: StartServer | None = None
         self._watching: asyncio.Task[None] | None = None
-        self._stream = 0
-        self._left = self._abandoned = False
-        self._reported: set[type[FromWorker]] = set()
-        # Messages that a gateway needs to know, also one that connects later.
-        self._state: list[FromWorker] = []
+        self._abandoned = False
+
+    @property
+    def _gateways(self) -> Iterator[_GatewayConnection]:
+        yield from (seat.gateway for seat in self._seats.values())
+        yield self._without_seat
 
     async def run(self) -> None:
         """Play the game, and report its result to the gateway."""
@@ -178,7 +333,7 @@ class Worker:
             watching = asyncio.create_task(self._watch_gateway())
             ended = await self._play()
             watching.cancel()
-            await self._leave_seat()
+            await asyncio.gather(*(seat.leave() for seat in self._seats.values()))
             if self._abandoned:
                 return  # The game is resumed from its log of inputs when its person comes back.
             if self._keep is not None and not ended.problem:
@@ -188,22 +343,17 @@ class Worker:
                 with suppress(TimeoutError):
                     async with asyncio.timeout(GATEWAY_TIMEOUT):
                         await self._result_kept.wait()
-            if self._gateway is not None:
-                with suppress(TimeoutError, ConnectionError):
-                    async with asyncio.timeout(FAREWELL_TIMEOUT):
-                        await self._gateway.drain()
-                        self._gateway.close()
-                        await self._gateway.wait_closed()
+            await asyncio.gather(*(_close(each.writer) for each in self._gateways if each.writer is not None))
 
     async def _watch_gateway(self) -> None:
         """End the game if no gateway is connected for a while: no one can see it any more."""
-        while not self._left:
+        while not self._abandoned:
             try:
                 async with asyncio.timeout(GATEWAY_TIMEOUT):
                     await self._connected.wait()
             except TimeoutError:
                 _log.warning("the gateway is gone; the game ends")
-                self._left = self._abandoned = True
+                self._abandoned = True
             await asyncio.sleep(1.0)
 
     async def _play(self) -> WorkerResult:
@@ -221,12 +371,10 @@ class Worker:
         # The threads of the other process do not exist here.
         asyncio.get_running_loop().set_default_executor(ThreadPoolExecutor())
         shut_accepted(self._places)
-        self._gateway = None
         self._connected.clear()
-        if self._seated is not None:
-            self._seated.cancel()
-        self._seat, self._seated, self._browser = None, None, False
-        self._state = [message for message in self._state if not isinstance(message, GameReady)]
+        self._without_seat.forget_ready()
+        for seat in self._seats.values():
+            seat.wake_up()
 
     def _write_address(self) -> None:
         """Write the address of this process for the gateway."""
@@ -237,7 +385,7 @@ class Worker:
 
     @property
     def watch(self) -> WatchAddress:
-        """See `SeatOfGame`."""
+        """See `PeopleInGame`."""
         return WatchAddress(LOCALHOST, 0, None, later=self._keep_start)
 
     def _keep_start(self, start: StartServer) -> None:
@@ -259,50 +407,39 @@ class Worker:
             self.note(GameWatched(where.port))
 
     def ready(self, where: ListeningAddress) -> None:
-        """See `SeatOfGame`."""
-        host = WILDCARD_ADDRESSES.get(where.host, where.host)
-        request = self._request
-        consent = GiveConsent(request.agreed_at) if request.agreed_at else None
-        seat = GameSeat(
-            lambda report: GameConnection(host, where.port, self._address.token, report, consent),
-            request.texts(),
-            practice=request.practice,
-            once=request.once,
-            kept=self._history,
-            acted=lambda act, view_age: self.report(PersonActed(act, view_age)),
-        )
-        self._seat, self._seated = seat, asyncio.create_task(seat.run())
-        if self._browser:
-            seat.show_to(self._show)
+        """See `PeopleInGame`."""
+        for seat in self._seats.values():
+            seat.join(self._request, where, self._address.token)
         self.note(GameReady())
 
-    def has_left(self) -> bool:
-        """See `SeatOfGame`."""
-        seat = self._seat
-        if seat is not None:
-            for happened, message in (
-                (seat.seen_over, SeatSeenOver()),
-                (seat.went_on, SeatWentOn()),
-                (seat.declined, SeatDeclined()),
-            ):
-                if happened and type(message) not in self._reported:
-                    self._reported.add(type(message))
-                    self.note(message)
-        return self._left or (seat is not None and (seat.went_on or seat.declined))
+    def have_left(self) -> bool:
+        """See `PeopleInGame`."""
+        left = [seat.has_left() for seat in self._seats.values()]  # Each one reports what has happened.
+        return self._abandoned or all(left)
 
-    def has_seen_end(self) -> bool:
-        """See `SeatOfGame`."""
-        return self._seat is not None and self._seat.seen_over
+    def have_seen_end(self) -> bool:
+        """See `PeopleInGame`."""
+        return all(seat.has_seen_end or seat.has_left() for seat in self._seats.values())
 
-    async def _leave_seat(self) -> None:
-        if self._seat is not None and self._seated is not None:
-            self._seat.stop()
-            await asyncio.gather(self._seated, return_exceptions=True)
+    def note(self, message: FromWorker) -> None:
+        """See `PeopleInGame`."""
+        if isinstance(message, RecordingBrokenOff):
+            for seat in self._seats.values():
+                seat.clear_history()  # The game could not be resumed, and begins again.
+        for gateway in self._gateways:
+            gateway.note(message)
+
+    def report(self, message: FromWorker) -> None:
+        """See `PeopleInGame`."""
+        for gateway in self._gateways:
+            gateway.report(message)
 
     # The gateway's side
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        """Serve a gateway; a new gateway replaces the one before it, which has died."""
+        """Serve a connection of a gateway."""
+        seat: WorkerSeat | None = None
+        gateway: _GatewayConnection | None = None
         try:
             line = await reader.readline()
             if not line:
@@ -310,66 +447,51 @@ class Worker:
             hello = TO_WORKER.decode(line)
             if not isinstance(hello, GatewayHello) or not hmac.compare_digest(hello.token, self._address.token):
                 return
-            before, self._gateway = self._gateway, writer
-            if before is not None:
-                before.close()
-            for message in self._state:
-                writer.write(encode_line(message))
+            if hello.seat is not None and hello.seat not in self._seats:
+                _log.warning("the game has no seat called %r", hello.seat)
+                return
+            seat = None if hello.seat is None else self._seats[hello.seat]
+            gateway = self._without_seat if seat is None else seat.gateway
+            gateway.connect(writer)
             self._connected.set()
             while line := await reader.readline():
-                self._receive(TO_WORKER.decode(line))
-        except (msgspec.MsgspecError, ValueError, ConnectionError) as error:
+                self._receive(seat, TO_WORKER.decode(line))
+        except ConnectionError:
+            pass  # The gateway has died, or the person has gone on.
+        except (msgspec.MsgspecError, ValueError) as error:
             _log.warning("the gateway's connection is closed: %s", error)
         finally:
-            if self._gateway is writer:
-                self._gateway = None
-                self._connected.clear()
-                self._leave_browser()
+            if gateway is not None and gateway.writer is writer:
+                gateway.writer = None
+                if seat is not None:
+                    seat.leave_browser()
+                if all(each.writer is None for each in self._gateways):
+                    self._connected.clear()
             writer.close()
 
-    def _receive(self, message: object) -> None:
+    def _receive(self, seat: WorkerSeat | None, message: object) -> None:
         match message:
-            case BrowserJoined(stream, again):
-                self._browser, self._stream = True, stream
-                if self._seat is not None:
-                    self._seat.show_to(self._show, again=again)
-            case BrowserLeft():
-                self._leave_browser()
-            case FromBrowser(text) if self._seat is not None:
-                try:
-                    said = FROM_GAME_PAGE.decode(text)
-                except msgspec.MsgspecError:
-                    return  # The gateway has no reason to end a game for a browser's mistake.
-                self._seat.receive(said)
-            case PersonLeft():
-                self._left = True
             case ResultKept():
                 self._result_kept.set()
             case WatchWanted():
                 self._watch_wanted = True
                 self._start_watch_server()
+            case PersonLeft(everybody=True):
+                for each in self._seats.values():
+                    each.left = True
+            case _ if seat is not None:
+                seat.receive(message)
             case _:
                 pass
 
-    def _leave_browser(self) -> None:
-        self._browser = False
-        if self._seat is not None:
-            self._seat.show_to(None)
 
-    def _show(self, message: dict[str, Json]) -> None:
-        self.report(ToBrowser(msgspec.json.encode(message).decode(), self._stream))
-
-    def note(self, message: FromWorker) -> None:
-        """See `SeatOfGame`."""
-        if isinstance(message, RecordingBrokenOff) and self._history is not None:
-            self._history.clear()  # The game could not be resumed, and begins again.
-        self._state.append(message)
-        self.report(message)
-
-    def report(self, message: FromWorker) -> None:
-        """See `SeatOfGame`."""
-        if self._gateway is not None:
-            self._gateway.write(encode_line(message))
+async def _close(gateway: asyncio.StreamWriter) -> None:
+    """Close a connection after the gateway has read the last messages."""
+    with suppress(TimeoutError, ConnectionError):
+        async with asyncio.timeout(FAREWELL_TIMEOUT):
+            await gateway.drain()
+            gateway.close()
+            await gateway.wait_closed()
 
 
 def work(request: GameRequest, folder: Path, key: str, open_socket: OpenSocket | None = None) -> None:
@@ -399,7 +521,7 @@ def work(request: GameRequest, folder: Path, key: str, open_socket: OpenSocket |
         return await asyncio.start_unix_server(serve, path, limit=LONGEST_LINE), str(path)
 
     keep = partial(games.keep, key) if open_socket is None else None
-    history = None if request.practice else HistoryFile(games.history(key))
+    history = None if request.practice else lambda seat: HistoryFile(games.history(key, seat))
     worker = Worker(request, token, open_socket or open_here, record, history, keep)
     # Copies of this process would share a selector that the system keeps, such as epoll.
     with record, asyncio.Runner(loop_factory=lambda: asyncio.SelectorEventLoop(selectors.PollSelector())) as runner:

@@ -3,7 +3,9 @@
 import { button, buttons, element, list, set, showButton } from "./dom.js";
 import { GameMap } from "./map.js";
 import { applied } from "./patches.js";
+import { PeoplePanel } from "./people.js";
 import { play } from "./sounds.js";
+import { Votes } from "./votes.js";
 
 const REPEATING = new Set(["Tab", "Shift+Tab", "Up", "Down"]);
 const NAMES = { Escape: "Esc", " ": "Space", ArrowUp: "Up", ArrowDown: "Down", Return: "Enter" };
@@ -25,6 +27,7 @@ export class GamePage {
   close() {
     document.removeEventListener("keydown", this.onKey);
     this.map.close();
+    this.people.close();
     for (const url of this.pictures.values()) URL.revokeObjectURL(url);
   }
 
@@ -68,7 +71,8 @@ export class GamePage {
     part.tools = element("div", { class: "tools" });
     part.mapSwitch = element("button", { type: "button", class: "map-switch", text: words["map.name"], "aria-expanded": "false" });
     part.mapSwitch.addEventListener("click", () => this.#switchMap());
-    const figures = element("p", { class: "figures" }, part.game, element("span", { class: "muted", text: words["window.score"] }), part.score, part.progress);
+    part.scored = element("span", { class: "muted", text: words["window.score"] });
+    const figures = element("p", { class: "figures" }, part.game, part.scored, part.score, part.progress);
     const top = this.#region("section", words["window.score_and_tools"], figures, part.mapSwitch, part.tools);
     top.classList.add("top");
     part.cards = this.#region("section", words["window.robots"]);
@@ -80,10 +84,14 @@ export class GamePage {
     part.queue = element("p", { class: "muted" });
     part.waiting = element("div", { class: "waiting" });
     const waiting = this.#region("section", words["window.what_waits"], part.queue, part.waiting);
+    this.people = new PeoplePanel(this.act);
+    this.regions.push(this.people.element);
     part.history = element("ol", { class: "history", tabindex: "0", "aria-label": words["window.history"] });
     this.map = new GameMap(this.act, words["map.name"]);
+    this.votes = new Votes(words, this.act, this.#region("section", words["votes.title"]));
+    part.noMap = element("p", { class: "no-map muted", hidden: true });
     part.pops = element("div", { class: "pops" }, part.dialogue, part.treasure, part.ending);
-    part.area = element("div", { class: "area" }, this.map.element, part.banner, part.pops);
+    part.area = element("div", { class: "area" }, this.map.element, part.noMap, part.banner, this.votes.element, part.pops);
     part.column = element("div", { class: "column" }, part.cards, part.rooms);
     part.below = element("div", { class: "below" }, waiting, part.history);
     part.question = element("dialog", { class: "question" });
@@ -96,7 +104,7 @@ export class GamePage {
       });
     }
     const title = element("h1", { class: "unseen", text: words["window.title"] });
-    part.playing = element("div", { class: "playing" }, title, top, part.advise, part.area, part.column, part.below);
+    part.playing = element("div", { class: "playing" }, title, top, part.advise, part.area, part.column, this.people.element, part.below, this.people.switch);
     part.plain = element("div", { class: "reading" });
     this.element = element("div", { class: "game" }, part.playing, part.plain, part.question, part.large, part.help);
   }
@@ -121,7 +129,12 @@ export class GamePage {
     set(part.banner, { text: page.banner, hidden: !page.banner, "data-bad": page.trouble });
     set(part.advise, { text: page.advise, hidden: !page.advise });
     set(part.game, { text: page.game, hidden: !page.game });
-    set(part.score, { text: page.score, "aria-label": page.score_spoken });
+    part.scored.hidden = !page.score;
+    set(part.score, { text: page.score, "aria-label": page.score_spoken, hidden: !page.score });
+    this.map.element.hidden = !!page.no_map;
+    part.mapSwitch.hidden = !!page.no_map;
+    set(part.noMap, { text: page.no_map, hidden: !page.no_map });
+    this.votes.show(page.votes);
     set(part.progress, { text: page.progress });
     buttons(part.tools, page.tools, this.act, { weight: "quiet", hints: false });
     list(part.cards, page.cards, (card) => card.robot, () => this.#makeCard(), (made, card) => showCard(made, card, this.act));
@@ -150,6 +163,8 @@ export class GamePage {
     this.#showDialog(part.help, page.help.length ? page : null, (made) => this.#showHelp(made));
     this.#showDialog(part.large, page.enlarged || null, (made, id) => set(made.firstChild, { src: this.pictures.get(id) }));
     this.map.show(page);
+    set(part.playing, { "data-people": !!page.people });
+    this.people.show(page.people);
     if (page.announcement_number !== this.announced) {
       this.announced = page.announcement_number;
       set(document.getElementById("announcer"), { text: page.announcement });
@@ -385,6 +400,7 @@ export class GamePage {
   #key(event) {
     if (!this.page || !this.element.isConnected || event.isComposing || document.querySelector("dialog[open]:not(.game dialog)")) return;
     const name = keyName(event);
+    if (this.people.takes(name)) return;
     if (name === "F6" || name === "Shift+F6") {
       event.preventDefault();
       this.#nextRegion(name === "F6" ? 1 : -1);
@@ -392,6 +408,7 @@ export class GamePage {
     }
     const focused = document.activeElement;
     const onButton = focused instanceof HTMLButtonElement;
+    if (focused instanceof HTMLInputElement || focused instanceof HTMLTextAreaElement) return; // A person writes.
     if (onButton && name === "Enter") return;
     if (event.repeat && !REPEATING.has(name)) return;
     const known = this.page.keys.includes(name);
@@ -400,6 +417,7 @@ export class GamePage {
       // While a treasure has a list of names, letters belong to the list.
       if (name === (this.page.treasure?.names.length ? "Ctrl+A" : "A") && this.page.phase === "playing") this.map.fit();
       if (name === "Ctrl+,") this.openSettings();
+      else if (name === this.page.people?.key) this.people.focus();
       else this.#press(name);
       return;
     }
@@ -432,7 +450,7 @@ export class GamePage {
   }
 
   #focusRegion(region) {
-    const parts = [...region.querySelectorAll("button, [tabindex]")].filter((each) => each.offsetParent);
+    const parts = [...region.querySelectorAll("button, textarea, [tabindex]")].filter((each) => each.offsetParent);
     (parts.find((each) => each.closest("[data-selected]")) ?? parts[0] ?? region).focus();
   }
 }
@@ -446,13 +464,13 @@ function keyName(event) {
 }
 
 function showCard(made, card, act) {
-  set(made, { "data-selected": card.selected, style: `--robot: var(--robot${card.robot % 10})` });
+  set(made, { "data-selected": card.selected, "data-asked": card.asked_for, style: `--robot: var(--robot${card.robot % 10})` });
   showButton(made.select, card.select, { hints: false });
   set(made.select, { "aria-pressed": String(card.selected) });
   set(made.select.parts.label, { text: card.name });
   set(made.chip, { text: String(card.number) });
-  set(made.energy, { text: card.energy[1] ?? card.energy[0], "data-bad": !card.affordable });
-  set(made.bar, { "data-bad": !card.affordable });
+  set(made.energy, { text: card.energy[1] ?? card.energy[0] ?? "", "data-bad": !card.affordable });
+  set(made.bar, { "data-bad": !card.affordable, hidden: !card.energy.length });
   set(made.bar.children[0], { style: `width:${100 * card.left}%` });
   set(made.bar.children[1], { style: `width:${100 * card.kept}%` });
   const state = card.warning || [card.commander, card.state, card.place].filter(Boolean).join(" · ");

@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QApplication, QSizePolicy, QVBoxLayout, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
 from ui.model.playing.screen import Action, RobotCard
-from ui.model.playing.spoken import energy_words, spoken_card, spoken_request
+from ui.model.playing.spoken import energy_words, spoken_act, spoken_card, spoken_request
 from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ParticipantButton
 from ui.windows.participant.widgets.painting import (
@@ -50,7 +50,7 @@ class CardFace(ParticipantButton):
         """Show this robot's card; keep `button_width` free for the button in the first line below the bar."""
         if (card, button_width) == (self._card, self._button_width):
             return
-        if self._card is None or bool(self._card.commander) != bool(card.commander):
+        if self._card is None or _parts(self._card) != _parts(card):
             self.updateGeometry()
         self._card, self._button_width = card, button_width
         self.setChecked(card.selected)
@@ -82,11 +82,16 @@ class CardFace(ParticipantButton):
         left, right = rect.left() + PAD, rect.right() - PAD
         middle = rect.top() + EDGE + space - CLOSE + self._line() / 2.0
         self._top_line(painter, card, left, right, middle)
-        bar = QRectF(left, middle + self._line() / 2.0 + space, right - left, BAR)
-        draw_energy(painter, bar, card)
-        line = QRectF(left, bar.bottom() + space, right - left - self._button_width, self._line())
-        if card.commander:
-            _draw_line(painter, line, "mast", palette.text, card.commander[:1].upper() + card.commander[1:])
+        below = middle + self._line() / 2.0 + space
+        if card.energy is not None:
+            draw_energy(painter, QRectF(left, below, right - left, BAR), card, card.energy)
+            below += BAR + space
+        line = QRectF(left, below, right - left - self._button_width, self._line())
+        if card.shown_commander:
+            ink = palette.accent if card.asked_for else palette.text
+            words = card.shown_commander[:1].upper() + card.shown_commander[1:]
+            marked: Sign | None = "talk" if card.asked_for else "mast" if card.commander else None
+            _draw_line(painter, line, marked, ink, words)
             line.translate(0.0, self.commander_high())
             line.setRight(right)
         if card.warning:
@@ -100,7 +105,7 @@ class CardFace(ParticipantButton):
     def button_place(self, size: QSize) -> QRect:
         """Return the place for a button of this size, at the right end of the first line below the bar."""
         above = EDGE + max(0.0, self.height() - self._high(CLOSE)) / 4.0 + self._line() + 1.0
-        if self._card is not None and self._card.commander:
+        if self._card is not None and self._card.shown_commander:
             above += self.commander_high()
         return QRect(int(self.width() - PAD - size.width()), int(self.height() - above), size.width(), size.height())
 
@@ -116,9 +121,10 @@ class CardFace(ParticipantButton):
 
     def _high(self, space: float) -> float:
         lines = 2.0 * self._line()
-        if self._card is not None and self._card.commander:
+        if self._card is not None and self._card.shown_commander:
             lines += self.commander_high()
-        return 2.0 * (EDGE + space - CLOSE) + lines + BAR + 2.0 * space + 2.0
+        bar = 0.0 if self._card is not None and self._card.energy is None else BAR + space
+        return 2.0 * (EDGE + space - CLOSE) + lines + bar + space + 2.0
 
     def _top_line(self, painter: QPainter, card: RobotCard, left: float, right: float, middle: float) -> None:
         palette = colours()
@@ -179,10 +185,10 @@ class CardFace(ParticipantButton):
 
 
 class Card(ActionWidget):
-    """Card of a robot, with at most one button.
+    """Card of a robot, with its buttons.
 
-    The button stops a driving robot, asks another commander to give the robot back, or resumes the decision about a
-    treasure that was left in the robot's room.
+    A button stops a driving robot, hands over a robot, asks another commander for the robot, or resumes the decision
+    about a treasure that was left in the robot's room. In a game with one participant, there is at most one button.
     """
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
@@ -190,9 +196,16 @@ class Card(ActionWidget):
         self._texts = texts
         self.face = CardFace(texts, self)
         self.stop = ActionButton(texts, "small", parent=self)
+        self.hand_over = ActionButton(texts, "small", parent=self)
         self.ask_back = ActionButton(texts, "small", parent=self)
         self.take_up = ActionButton(texts, "small", parent=self)
-        for part in (self.face, self.stop, self.ask_back, self.take_up):
+        self._buttons = {
+            "stop": self.stop,
+            "hand_over": self.hand_over,
+            "ask_back": self.ask_back,
+            "take_up": self.take_up,
+        }
+        for part in (self.face, *self._buttons.values()):
             part.requested.connect(self.requested)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         self._card: RobotCard | None = None
@@ -211,10 +224,11 @@ class Card(ActionWidget):
         card = self._card
         if card is None:
             return
-        texts = self._texts
-        wide = self._offer(self.stop, card.stop, texts.text("window.stop", robot=card.robot))
-        wide += self._offer(self.ask_back, card.ask_back, texts.text("window.ask_back", robot=card.robot))
-        wide += self._offer(self.take_up, card.take_up, texts.text("window.take_up", robot=card.robot))
+        offered = dict(card.buttons)
+        wide = sum(
+            self._offer(button, offered.get(name), spoken_act(self._texts, card, name))
+            for name, button in self._buttons.items()
+        )
         self.face.show_card(card, wide)
         self.setMaximumHeight(self.sizeHint().height())
         self._place()
@@ -243,8 +257,11 @@ class Card(ActionWidget):
 
     def _place(self) -> None:
         self.face.setGeometry(self.rect())
-        for button in (self.stop, self.ask_back, self.take_up):
-            button.setGeometry(self.face.button_place(button.sizeHint()))
+        offset = 0
+        for button in reversed(self._buttons.values()):
+            place = self.face.button_place(button.sizeHint()).translated(-offset, 0)
+            button.setGeometry(place)
+            offset += 0 if button.isHidden() else place.width() + GAP // 2
 
 
 class Cards(ActionWidget):
@@ -270,7 +287,7 @@ class Cards(ActionWidget):
         After another commander has taken one robot, this commander may take every robot. The layout keeps this height
         free below the cards, so that the rooms below never move while the pointer is on them.
         """
-        own = sum(not card.commander for card in self._shown) if self._others_command else 0
+        own = sum(not card.shown_commander for card in self._shown) if self._others_command else 0
         return own * CardFace.commander_high()
 
     def show_cards(self, cards: tuple[RobotCard, ...]) -> None:
@@ -279,7 +296,7 @@ class Cards(ActionWidget):
             return
         selected = [card.robot for card in self._shown if card.selected]
         self._shown = cards
-        self._others_command |= any(card.commander for card in cards)
+        self._others_command |= any(card.shown_commander for card in cards)
         while len(self.cards) < len(cards):
             self.cards.append(self._made())
         while len(self.cards) > len(cards):
@@ -329,17 +346,22 @@ def _draw_line(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, w
         write(painter, space, fitting((f" · {beside}", ""), space.width(), small), font("small"), colours().muted)
 
 
-def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
+def _parts(card: RobotCard) -> tuple[bool, bool]:
+    """Return which parts a card has that change its height: the line of the commander, and the bar."""
+    return bool(card.shown_commander), card.energy is not None
+
+
+def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard, energy: float) -> None:
     """Draw the remaining energy in the robot's color, with the cost of the considered move hatched."""
     palette = colours()
     colour = palette.robot(card.robot)
-    full = max(card.energy_at_start, card.energy, 1e-9)
+    full = max(card.energy_at_start, energy, 1e-9)
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(QColor(palette.track))
     half = rect.height() / 2.0
     painter.drawRoundedRect(rect, half, half)
-    left = rect.width() * card.energy / full
-    kept = rect.width() * max(0.0, card.energy - (card.cost or 0.0)) / full
+    left = rect.width() * energy / full
+    kept = rect.width() * max(0.0, energy - (card.cost or 0.0)) / full
     painter.save()
     painter.setClipRect(QRectF(rect.left(), rect.top(), left, rect.height()))
     painter.setBrush(hatch(colour if card.affordable else palette.bad, palette.panel))

@@ -1,16 +1,19 @@
-"""Map with the banner and the history over its edges, and with a pop-up over one of its corners."""
+"""Map with votes, the banner and the history over its edges, and with a pop-up over one of its corners."""
 
 from collections.abc import Callable, Sequence
 
-from PySide6.QtCore import QEvent, QPoint, QRect, QSize
+from PySide6.QtCore import QEvent, QPoint, QRect, QSize, Qt
 from PySide6.QtGui import QResizeEvent, QShowEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
+from ui.model.playing.screen import OpenVote
+from ui.windows import look
 from ui.windows.look import GAP, px
 from ui.windows.map import MapView
 from ui.windows.participant.history import HistoryView
 from ui.windows.participant.top import BannerLine
+from ui.windows.participant.votes import VotesPanel
 from ui.windows.participant.widgets.panels import TitledPanel
 
 MAX_PANEL_WIDTH = 620
@@ -39,6 +42,11 @@ class MapArea(QWidget):
         self.history = HistoryView(texts, self)
         self.history.hide()
         self.banner = BannerLine(self)
+        self.votes = VotesPanel(texts, self)
+        self._unseen = look.label(muted=True)
+        self._unseen.setParent(self)
+        self._unseen.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self._unseen.hide()
         self._panel: TitledPanel | None = None
         self._robot: int | None = None
         self._subject: object = None
@@ -85,6 +93,19 @@ class MapArea(QWidget):
         self.history.setVisible(shown)
         self._place()
 
+    def show_votes(self, votes: tuple[OpenVote, ...]) -> None:
+        """Show these open votes over the upper edge of the map; pop-ups and the banner are below them."""
+        high = self._votes_high()
+        self.votes.show_votes(votes)
+        if self._votes_high() != high:
+            self.place_anew()
+
+    def show_no_map(self, sentence: str) -> None:
+        """Show a sentence instead of the map; if it is empty, show the map."""
+        self._map.setVisible(not sentence)
+        self._unseen.setText(sentence)
+        self._unseen.setVisible(bool(sentence))
+
     def keep_in_sight(self) -> None:
         """Move the pop-up to another corner if it would hide less of its subject there.
 
@@ -123,6 +144,11 @@ class MapArea(QWidget):
 
     def _place(self) -> None:
         self._map.setGeometry(self.rect())
+        self._unseen.setGeometry(self.rect().adjusted(2 * GAP, 2 * GAP, -2 * GAP, -2 * GAP))
+        if self._votes_high():
+            size = self.votes.size_in(self._whole().size())
+            self.votes.setGeometry(QRect(QPoint((self.width() - size.width()) // 2, GAP), size))
+            self.votes.raise_()
         high = self.history.height_over(self.height())
         self.history.setGeometry(0, self.height() - high, self.width(), high)
         self.history.raise_()
@@ -169,8 +195,17 @@ class MapArea(QWidget):
 
     def _space(self) -> QRect:
         """Return the part of the map that panels may cover."""
+        high = self._votes_high()
+        return self._whole().adjusted(0, high + GAP if high else 0, 0, 0)
+
+    def _whole(self) -> QRect:
+        """Return the part of the map that votes and panels may cover."""
         below = self.history.height() if self.history.isVisibleTo(self) else 0
         return self.rect().adjusted(GAP, GAP, -GAP, -GAP - below)
+
+    def _votes_high(self) -> int:
+        """Return the height of the open votes; 0 if there are none."""
+        return self.votes.size_in(self._whole().size()).height() if self.votes.isVisibleTo(self) else 0
 
     def _best_corner(self, size: QSize, space: QRect) -> Corner:
         """Return the corner in which a pop-up hides the smallest part of its subject.

@@ -38,11 +38,15 @@ class TopStrip(ActionWidget):
         tools.addStretch(1)
         self.tools = ActionRow(texts, tools, self.requested, "quiet")
 
-    def show_strip(self, game: int, score: int, progress: str, *, moving: bool, tools: tuple[Action, ...]) -> None:
-        """Show this state of the game in the strip."""
+    def show_strip(
+        self, game: int, score: int | None, progress: str, *, moving: bool, tools: tuple[Action, ...]
+    ) -> None:
+        """Show this state of the game in the strip. If the score is None, it is hidden."""
         set_text(self._game, self._texts.text("window.game", number=game) if game else "")
         self._game.setVisible(bool(game))
-        self.score.show_score(score, moving=moving)
+        self.score.setVisible(score is not None)
+        if score is not None:
+            self.score.show_score(score, moving=moving)
         set_text(self._progress, progress)
         self.tools.show_actions(tools)
 

@@ -7,7 +7,7 @@ from PySide6.QtGui import QFontMetricsF, QPaintEvent, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QSizePolicy, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.playing.screen import WaitingItem
+from ui.model.playing.screen import PeoplePanel, WaitingItem
 from ui.windows import look
 from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ButtonFace, ParticipantButton
@@ -118,6 +118,7 @@ class WaitingStrip(ActionWidget):
 
     Attributes:
         history: button that opens the history.
+        people: button that shows the people of the game in a narrow window.
     """
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
@@ -138,6 +139,10 @@ class WaitingStrip(ActionWidget):
         self.history.setCheckable(True)
         self.history.show_face(ButtonFace(texts.text("window.history")), texts.text("window.history_hint"))
         row.addWidget(self.history)
+        self.people = ActionButton(texts)
+        self.people.setCheckable(True)
+        self.people.hide()
+        row.addWidget(self.people)
         self.chips: list[WaitingChip] = []
         self._shown: tuple[WaitingItem, ...] | None = None
         follow_text(self, lambda it: it.setFixedHeight(WaitingChip.height_of_two_lines() + 2))
@@ -156,13 +161,23 @@ class WaitingStrip(ActionWidget):
         """If there is too little space, hide the number of waiting items, and then shorten the last buttons."""
         shown = [chip for chip in self.chips if not chip.isHidden()]
         widest = max((chip.width_of(short=False) for chip in shown), default=0)
-        counted, others = self._count.sizeHint().width() + GAP, self.history.sizeHint().width() + GAP
+        shown_buttons = [button for button in (self.history, self.people) if not button.isHidden()]
+        others = sum(button.sizeHint().width() + GAP for button in shown_buttons)
+        counted = self._count.sizeHint().width() + GAP
         self._count.setVisible(not widest or widest + counted + others <= self.width())
         left = self.width() - others - (0 if self._count.isHidden() else counted)
         needed = sum(chip.width_of(short=False) + GAP for chip in shown) - GAP  # of integers
         for at, each in reversed(list(enumerate(shown))):
             each.shorten(short=at > 0 and needed > left)
             needed -= each.width_of(short=False) - each.width_of(short=True) if each.short else 0
+
+    def show_people(self, people: PeoplePanel | None) -> None:
+        """Show the number of new texts on the button of the people."""
+        if people is not None:
+            name = self._texts.text("people.show")
+            face = ButtonFace(f"{name} · {people.unread}" if people.unread else name)
+            spoken = self._texts.text("people.show_hint")
+            self.people.show_face(face, f"{spoken}, {people.news}" if people.news else spoken)
 
     def show_waiting(self, waiting: tuple[WaitingItem, ...], nothing_waits: str) -> None:
         """Show these items. If there are none, show the sentence `nothing_waits`."""

@@ -35,6 +35,7 @@ from ui.model.playing.screen import (
     FitMap,
     FollowRobot,
     GoOnFromGame,
+    GoToPeople,
     Phase,
     Screen,
     SelectRoomAct,
@@ -58,6 +59,7 @@ from ui.windows.participant.pages.pages import (
     QuestionPanel,
     window_keys,
 )
+from ui.windows.participant.people import PeopleView
 from ui.windows.participant.popups.dialogue import DialoguePanel
 from ui.windows.participant.popups.finding import PicturePanel
 from ui.windows.participant.popups.treasure import TreasurePanel
@@ -156,6 +158,11 @@ class ParticipantWindow(QWidget):
         middle = spaced(QHBoxLayout(), 2 * GAP, 2 * GAP, 0, 2 * GAP, 2 * GAP)
         middle.addLayout(left, 1)
         middle.addWidget(self.column)
+        self.people = PeopleView(texts)
+        self.people.hide()
+        self.people.field.left.connect(self.setFocus)
+        self.waiting.people.toggled.connect(lambda _shown: self._divide())
+        middle.addWidget(self.people)
         rows.addLayout(middle, 1)
         self.pages = QStackedWidget()
         self._page_of: dict[Phase, QWidget] = {Phase.CONNECTING: self.connecting, Phase.CONSENT: self.consent}
@@ -170,7 +177,7 @@ class ParticipantWindow(QWidget):
         self._connect()
 
     def _connect(self) -> None:
-        for part in (self.consent, self.top, self.column, self.waiting):
+        for part in (self.consent, self.top, self.column, self.waiting, self.people, self.map_area.votes):
             part.requested.connect(self.do)
         self._panels: tuple[TitledPanel, ...] = (
             self.dialogue,
@@ -196,7 +203,8 @@ class ParticipantWindow(QWidget):
         if self._screen is not None and self._screen.phase in self._page_of:
             return [self._page_of[self._screen.phase]]
         pops: list[QWidget] = [panel for panel in (self.dialogue, self.treasure, self.ending) if panel.isVisible()]
-        return [*pops, self.top, self.column.cards, self.column.rooms, self.waiting, self.history]
+        column = (self.column.cards, self.column.rooms, self.people)
+        return [*pops, self.top, self.map_area.votes, *column, self.waiting, self.history]
 
     # Each frame -------------------------------------------------------------------------------------------------------
 
@@ -229,6 +237,10 @@ class ParticipantWindow(QWidget):
             return
         if isinstance(act, GoOnFromGame):
             self.went_on.emit()
+            return
+        if isinstance(act, GoToPeople):
+            self.waiting.people.setChecked(True)
+            self.people.go_to()
             return
         self._model.do(act, now)
         if isinstance(act, FitMap):
@@ -292,6 +304,12 @@ class ParticipantWindow(QWidget):
         set_text(self.column.hint, remark_of(self._texts, screen))
         self.waiting.show_waiting(screen.waiting, screen.nothing_waits)
         self.history.show_history(screen.history)
+        self.map_area.show_no_map(screen.no_map)
+        self.map_area.show_votes(screen.votes)
+        self.people.show_people(screen.people)
+        self.waiting.show_people(screen.people)
+        if before is None or (before.people is None) != (screen.people is None):
+            self._divide()
         self._show_pops(screen, before, now)
         self._keyboard.show_screen(screen)
         self._announce(screen)
@@ -437,3 +455,14 @@ class ParticipantWindow(QWidget):
         """
         wide = min(max(px(336), int(self.width() * 0.3)), px(480))
         self.column.setFixedWidth(min(wide, int(self.width() * 0.45)))
+        self._place_people()
+
+    def _place_people(self) -> None:
+        """Show the people in a third column. In a narrow window, a button shows them in place of robots and rooms."""
+        has_people = self._screen is not None and self._screen.people is not None
+        wide = self.width() >= px(1080)
+        self.waiting.people.setVisible(has_people and not wide)
+        shown = has_people and (wide or self.waiting.people.isChecked())
+        self.people.setFixedWidth(px(300) if wide else self.column.width())
+        self.people.setVisible(shown)
+        self.column.setVisible(wide or not shown)

@@ -48,7 +48,7 @@ from ui.windows.researcher.docks.displays import SWITCHES, DisplaysPanel
 from ui.windows.researcher.docks.log import LogView
 from ui.windows.researcher.docks.playback import PlaybackBar
 from ui.windows.researcher.docks.plots import Plots
-from ui.windows.researcher.docks.team import TeamView
+from ui.windows.researcher.docks.team import TeamTable
 from ui.windows.researcher.docks.topics import TopicTree
 from ui.windows.researcher.docks.wizard import WizardDock
 from ui.windows.researcher.keys import GROUPS
@@ -134,7 +134,7 @@ class DockedWindow(QMainWindow):
         self.canvas = canvas
         self.playback = PlaybackBar(live)
         self.displays = DisplaysPanel()
-        self.team = TeamView()
+        self.team = TeamTable()
         self.plots = Plots(palette, live)
         self.logs = {kind: LogView(name, columns) for kind, (_, name, columns) in LISTS.items()}
         self.topics = TopicTree()

@@ -63,7 +63,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     setting = read_setting(STUDY, Path())
     options = PlayOptions(0.0, path, frozenset(), "suggestion", SECONDS)
     with pytest.raises(HuntUnfinished):
-        asyncio.run(play(setting, TabUI(Doubter(setting)), options, lambda where: None, lambda tick_record: None))
+        asyncio.run(play(setting, (TabUI(Doubter(setting)),), options, lambda where: None, lambda tick_record: None))
     return path
 
 

@@ -112,7 +112,7 @@ def watched(bag: Path, study: Study, seconds: float, plan: Sequence[tuple[int, R
         options = PlayOptions(20.0, bag, frozenset(), "suggestion", seconds, watch=WatchAddress("127.0.0.1", 0, None))
         told = StartupCallbacks(lambda master: None, come)
         try:
-            await play(setting, bot_of(setting), options, lambda where: None, lambda tick_record: None, told)
+            await play(setting, (bot_of(setting),), options, lambda where: None, lambda tick_record: None, told)
         finally:
             for task in running:
                 task.cancel()
@@ -134,7 +134,7 @@ def act(
 ) -> None:
     """A hunt with a simulated participant, and something that is done from outside before each tick."""
     setting = setting_of(study)
-    programs = build_programs(setting, bot_of(setting))
+    programs = build_programs(setting, (bot_of(setting),))
     opening = build_record(setting, PLAY, programs.names, "suggestion")
     with build_writer(setting, bag) as writer:
         recording = SessionRecording([build_recorder(setting, opening, [writer])])
@@ -460,7 +460,7 @@ class TestSame:
             participant = asyncio.create_task(outside())
             options = PlayOptions(20.0, tmp_path / "hunt.bag", frozenset({legacy.TABUI}), "person", 30.0)
             try:
-                await play(setting, bot_of(setting), options, where.append, lambda tick_record: None)
+                await play(setting, (bot_of(setting),), options, where.append, lambda tick_record: None)
             finally:
                 participant.cancel()
 

@@ -51,7 +51,7 @@ class Afternoon:
         told = StartupCallbacks(lambda master: None, self._come)
         with self._station, pytest.raises(HuntUnfinished):
             async with asyncio.timeout(PATIENCE):
-                await play(read_setting(STUDY, Path()), None, options, lambda where: None, self._passed, told)
+                await play(read_setting(STUDY, Path()), (), options, lambda where: None, self._passed, told)
         for task in self._tasks:
             task.cancel()
 

@@ -12,6 +12,7 @@ from sim.common.observations import Twist
 from sim.inputs import KillRobot, SendGoal
 from sim.parameters import NavfnParameters, RobotParameters
 from sim.robot.navigator.goals import Goal
+from tests.support.hunts.scripted_hunt import ScriptedPlayer
 from tests.support.mavlink.piloted_hunt import STATION, Parameters, PilotedHunt, setting
 from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.robots import build_game_setup
@@ -34,12 +35,16 @@ from thbridge.hunt.rooms import Room
 from thbridge.mavlink.role.pilot import Pilot
 from thbridge.mavlink.role.speed_limit import SpeedLimit
 from thbridge.mavlink.role.station_texts import game_texts, handback_texts
+from thbridge.mavlink.values.conventions import BY_PARTICIPANT
 from thbridge.mavlink.values.vehicle_interface import DenialKind, Denied, LegState, Target
+from thbridge.mavlink.vehicle.mode.operator_control import OperatorControl
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.failure_reasons import failure_sentence
 from thbridge.roles.shared.robot_requests import SetParameters
 from thbridge.roles.shared.view import RequestHandback
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
 from thbridge.ros.messages.records import SimpleGoal
+from thbridge.study.seats import SeatEntry
 
 UNDER_WAY, ARRIVED, FAILED = LegState.UNDER_WAY, LegState.ARRIVED, LegState.FAILED
 
@@ -370,6 +375,30 @@ def test_what_a_participant_asks_of_a_researcher_alone_is_told_to_no_station() -
     assert asks(apply(state, researcher)) == []
     station = CommanderChanged(0, Commander.GROUND_STATION, "ground station 255")
     assert asks(apply(apply(state, station), researcher)) == ["The participant asks for robot 1 back."]
+
+
+def test_a_robot_returns_to_the_seat_that_had_it_and_stations_read_the_names_of_seats() -> None:
+    seats = (SeatEntry("driver", robots=(1, 2)), SeatEntry("namer", label="die Namensgeberin"))
+    player = ScriptedPlayer()
+    hunt = PilotedHunt(participant=TabUI(player, seat="namer"), seats=seats)
+    said: list[str] = []
+    control = OperatorControl(hunt.pilot, 5.0, lambda _, text: said.append(text))
+    control.follow(0, hunt.readings[0])
+    assert (hunt.readings[0].commanded_by, control.commander_id) == ("driver", BY_PARTICIPANT)
+    assert control.take(STATION) is None
+    control.follow(1, hunt.run(2))
+    player.wish = (RequestHandback(0),)
+    hunt.tabui.poll_player()
+    asked = [text for _ in range(10) for text in hunt.run().participant_requests]
+    assert asked == ["Die Namensgeberin asks for robot 1 back."]
+    control.release()
+    control.follow(2, hunt.run(2))
+    assert said == ["Commanded by ground station 255.", "Commanded by the driver again."]
+    assert hunt.readings[0].commanded_by == "driver"
+    assert [(each.by, each.name) for each in hunt.events(CommanderChanged)] == [
+        (Commander.GROUND_STATION, "ground station 255"),
+        (Commander.PARTICIPANT, "driver"),
+    ]
 
 
 def test_a_station_is_told_that_the_participant_leaves_a_find_and_takes_it_up_again() -> None:

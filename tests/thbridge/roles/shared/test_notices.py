@@ -7,6 +7,7 @@ from hypothesis import given, reject
 from hypothesis import strategies as st
 
 from thbridge.roles.shared import notices
+from thbridge.roles.shared.team_notices import TeamTalk
 from thbridge.roles.shared.view import DeclineConsent, ParticipantRequest, View
 from thbridge.text_protocol.wire.notice_format import decode_notice, encode_notice, kind_of, parse_notice
 
@@ -15,12 +16,12 @@ STATES = [
     for each in vars(notices).values()
     if isinstance(each, type) and issubclass(each, notices.NoticeValue) and each is not notices.NoticeValue
 ]
-VALUES = (*STATES, View, DeclineConsent, *get_args(ParticipantRequest))
+VALUES = (*STATES, View, TeamTalk, DeclineConsent, *get_args(ParticipantRequest))
 ON_THE_WIRE = """
     RobotsReady Orders Status MoveCosts HiderReady HidePlease HideTreasures Reply ParticipantReady Failed Subscribe
     Whereabouts Ways House Texts Picture MayRecord Recordable Unfit
-    View Decline Agree Select Unsure Answer SendRobot CallBack AskBack Sense Discuss TakePicture Identify Leave TakeUp
-    GiveUp PlayAgain Measure Tell
+    View Talk Decline Agree Select Unsure Answer SendRobot CallBack AskBack HandOver Sense Discuss
+    TakePicture Identify Leave TakeUp GiveUp PlayAgain Measure Tell Say Read Vote
 """
 
 

@@ -23,6 +23,7 @@ from thbridge.ros.messages.session_records import (
     GameEvent,
     InputRecord,
     ScoreRecord,
+    SeatNotice,
     UtteranceRecord,
 )
 
@@ -388,6 +389,14 @@ def test_outside_input(tick: int, sender: str, line: str, json: str) -> None:
     assert unpack.outside_input(data) == record
 
 
+@given(TICKS, TEXTS, TEXTS, TEXTS)
+def test_seat_notice(tick: int, seat: str, kind: str, json: str) -> None:
+    record = SeatNotice(seat, kind, json)
+    data = pack.seat_notice(tick, record)
+    assert data == serialised(types.SEAT_NOTICE, message(types.SEAT_NOTICE, ros_header(tick), seat, kind, json))
+    assert unpack.seat_notice(data) == record
+
+
 @given(st.data())
 def test_cut_messages_are_value_errors(data: st.DataObject) -> None:
     samples = {
@@ -399,6 +408,7 @@ def test_cut_messages_are_value_errors(data: st.DataObject) -> None:
         unpack.score: pack.score(1, ScoreRecord(1, 2, 3, (4.0,))),
         unpack.utterance: pack.utterance(1, UtteranceRecord(1, "robot", 0, 1, "s", "t", "m", "robot")),
         unpack.dialogue_move: pack.dialogue_move(1, DialogueMoveRecord(1, 2, None, 0, 0, *"abcdefg", True, "h", "i")),
+        unpack.seat_notice: pack.seat_notice(1, SeatNotice("driver", "View", "{}")),
         unpack.dialogue_state: pack.dialogue_state(1, DialogueStateRecord(1, 0, "{}")),
     }
     read = data.draw(st.sampled_from(list(samples)))

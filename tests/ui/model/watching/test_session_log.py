@@ -121,6 +121,20 @@ def test_who_commands_a_robot_at_a_time() -> None:
     assert all(entry.important for entry in session_log.entries("event"))
 
 
+def test_seats_are_commanders() -> None:
+    session_log = SessionLog()
+    seats = [{"name": "driver", "label": "the driver", "robots": [0]}, {"name": "scout", "label": "s", "robots": [1]}]
+    for message in (
+        event(1, "started", seats=seats),
+        event(2, "commanded", 0, by="ground station", name="ground station 255"),
+        event(3, "commanded", 0, by="participant", name="scout"),
+    ):
+        session_log.take(message)
+    assert session_log.commanders(1) == {0: "driver", 1: "scout"}
+    assert session_log.commanders(2) == {0: "ground station 255", 1: "scout"}
+    assert session_log.commanders(3) == {0: "scout", 1: "scout"}
+
+
 def test_grave_lines_of_the_log_are_important() -> None:
     session_log = SessionLog()
     for level in LogLevel:

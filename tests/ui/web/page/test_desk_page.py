@@ -73,3 +73,26 @@ def test_a_game_is_watched_by_a_command_and_a_key_that_may_only_watch_has_no_act
     assert difference is not None and len(str(difference)) < 1000
     viewed = maker.page(STATE, now(PersonNow("here", None, 0, plays=True), may_act=False))
     assert not viewed.actions and not any(row.actions for row in viewed.tables[0].rows)
+
+
+def test_people_of_one_game_are_together_with_their_seats_and_the_lobby_follows() -> None:
+    people = {
+        "P-1": PersonNow("here", None, 0, plays=True, game="G-2", seat="the north"),
+        "P-2": PersonNow("gone", None, 0, plays=True, game="G-1", seat="the south"),
+        "P-3": PersonNow("here", None, 0, plays=False, waited=9),
+        "P-4": PersonNow("here", None, 0, plays=True, game="G-2", seat="the judge"),
+        "P-5": PersonNow("away", None, 0, plays=False, waited=75),
+        "P-6": PersonNow("here", None, 0, plays=False),
+    }
+    maker = DeskPageMaker(shipped_texts())
+    tables = maker.page(STATE, DeskNow(people, 2, 7, True, True, "")).tables
+    assert tables[1].heading == "Games of several people"
+    assert [row.cells for row in tables[1].rows] == [
+        ("G-1", "the south", "P-2", "not connected"),
+        ("G-2", "the judge", "P-4", "present"),
+        ("G-2", "the north", "P-1", "present"),
+        ("lobby", "", "P-5", "has waited 1:15"),
+        ("lobby", "", "P-3", "has waited 0:09"),
+    ]
+    alone = maker.page(STATE, DeskNow({"P-6": people["P-6"]}, 0, 7, True, True, "")).tables
+    assert "Games of several people" not in [table.heading for table in alone]

@@ -1,16 +1,31 @@
 """The page of a game offers what the screen offers, and has no other words."""
 
+from dataclasses import replace
+
 import pytest
 
 from tests.support.windows import sample_screens
 from thbridge.files.language_texts import shipped_texts
 from ui.model.playing.keys import act_for
 from ui.model.playing.offers import offers
-from ui.model.playing.screen import Screen
+from ui.model.playing.screen import Action, OpenVote, Screen, VoteAct
 from ui.web.page.game_page import KEYS, BrowserPage, BrowserPageMaker, PageButton
+from ui.web.page.messages import decode_act
 from ui.web.page.patches import tree
 
 STATES = sample_screens.states()
+
+
+VOTE = OpenVote(
+    3,
+    0,
+    "The driver proposes that robot 1 goes to room 3.",
+    (),
+    "1 more person must agree.",
+    "0:40 left",
+    Action(VoteAct(3, True), "Agree", "Y"),
+    Action(VoteAct(3, False), "Disagree", "N"),
+)
 
 
 def page_of(screen: Screen) -> BrowserPage:
@@ -39,3 +54,22 @@ def test_each_state_offers_the_acts_of_its_screen(name: str) -> None:
     assert {repr(action.act) for action in offers(screen)} <= shown
     assert set(page.keys) == {key for key in KEYS if act_for(key, screen) is not None}
     assert isinstance(tree(page), dict)
+
+
+def test_a_vote_is_on_the_page_and_comes_back_with_the_reason() -> None:
+    page = page_of(replace(STATES["playing"], votes=(VOTE,)))
+    (vote,) = page.votes
+    assert [button.label for button in vote.buttons] == ["Agree", "Disagree"]
+    assert {"Y", "N"} <= set(page.keys)
+    sent = {**tree(vote.buttons[1].act), "reason": "too far"}
+    assert decode_act(sent) == VoteAct(3, False, "too far")
+
+
+def test_hidden_energy_and_score_are_not_on_the_page() -> None:
+    usual = STATES["playing"]
+    cards = tuple(replace(card, energy=None, cost=None) for card in usual.cards)
+    page = page_of(replace(usual, cards=cards, score=None, no_map="In this game, you do not see the map."))
+    assert (page.score, page.score_spoken) == ("", "")
+    assert [(card.energy, card.left, card.kept) for card in page.cards] == [((), 0.0, 0.0)] * len(cards)
+    assert all("nergy" not in card.select.spoken for card in page.cards if not card.trouble)
+    assert page.no_map

@@ -52,7 +52,7 @@ def test_a_window_that_is_opened_again_does_not_use_the_numbers_of_the_one_befor
     async def game() -> None:
         with suppress(HuntUnfinished):
             await play(
-                setting, None, options, lambda where: visits.append(asyncio.create_task(visit(where))), lambda _: None
+                setting, (), options, lambda where: visits.append(asyncio.create_task(visit(where))), lambda _: None
             )
 
     asyncio.run(asyncio.wait_for(game(), 120))

@@ -17,6 +17,7 @@ from thbridge.experiment.export.families.described import (
     text,
     whole,
 )
+from thbridge.experiment.groups import GroupSeat
 from thbridge.experiment.progress import Progress, Run
 from thbridge.experiment.store.events import EventKind, JsonValue, LoggedEvent, RunState, StepOutcome
 
@@ -207,6 +208,7 @@ def run_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfRun], ...]:
 def attempt_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfAttempt], ...]:
     """Return the first columns of each row that belongs to a step."""
     participant, counts, *factors = run_columns(design)
+    seats = seat_columns() if design.has_groups else ()
 
     def is_data(row: OfAttempt) -> bool:
         return row.run.state is RunState.COMPLETE and row.attempt.step.entry.step not in NO_DATA
@@ -218,6 +220,7 @@ def attempt_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfAttempt], 
     return (
         participant,
         ValuedColumn(counts.described, is_data),
+        *seats,
         *factors,
         *_within_columns(design),
         whole("step", "number of the step in the person's order, from 1", lambda row: row.attempt.step.number, least=1),
@@ -230,6 +233,26 @@ def attempt_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfAttempt], 
             least=1,
         ),
         whole("trial", "number of the trial in the person's order, from 1; empty for other steps", trial, least=1),
+    )
+
+
+def seat_columns() -> tuple[ValuedColumn[OfAttempt], ...]:
+    """Return the columns with the person's group and seat, for studies with games of several people."""
+
+    def taken(row: OfAttempt) -> GroupSeat | None:
+        return row.run.seats.get(row.attempt.step.number)
+
+    return (
+        text(
+            "group",
+            "id of the person's group in a game of several people; empty for other steps",
+            lambda row: None if (seat := taken(row)) is None else seat.group,
+        ),
+        text(
+            "seat",
+            "person's seat in a game of several people; empty for other steps",
+            lambda row: None if (seat := taken(row)) is None else seat.seat,
+        ),
     )
 
 

@@ -143,12 +143,13 @@ class AttentionFigures:
     both: float
 
 
-def figures_of(recording: GameRecording, decisions: Iterable[GameDecision]) -> AttentionFigures:
+def figures_of(recording: GameRecording, decisions: Iterable[GameDecision], seat: str = "") -> AttentionFigures:
     """Return the figures of a game.
 
     Args:
         recording: recording of the game.
         decisions: decisions of the game. They show who sent the robots.
+        seat: seat of the person, in a game with several seats; only their decisions and dialogues must be given.
     """
     by = {(each.robot, each.done): each.by for each in decisions if each.matter == "select-room"}
     robots = tuple(RobotAttention([RobotStand(robot, 0.0)]) for robot in range(recording.robots))
@@ -176,12 +177,12 @@ def figures_of(recording: GameRecording, decisions: Iterable[GameDecision]) -> A
                 figures.arrived += isinstance(each.event, RobotArrived)
                 figures.failed += isinstance(each.event, MoveFailed)
                 figures.stands.append(RobotStand(robot, time))
-            case TimedEvent(time):
+            case TimedEvent(time) if not seat or getattr(each.event, "seat", "") == seat:
                 for robot in _acted_on(each):
                     robots[robot].stands[-1].act(time)
-            case TimedMove():
+            case TimedEvent() | TimedMove():
                 pass
-    waited, both = _integrate(recording, robots)
+    waited, both = _integrate(recording, robots, seat)
     return AttentionFigures(robots, recording.duration, waited, both)
 
 
@@ -193,7 +194,7 @@ def _acted_on(each: TimedEvent) -> Iterator[int]:
         yield robot
 
 
-def _integrate(recording: GameRecording, robots: Sequence[RobotAttention]) -> tuple[float, float]:
+def _integrate(recording: GameRecording, robots: Sequence[RobotAttention], seat: str) -> tuple[float, float]:
     """Add the driving times, waiting times and energies to the figures of robots.
 
     Return the time for which the person waited, and the time in which robots drove while another robot waited, s.
@@ -204,7 +205,7 @@ def _integrate(recording: GameRecording, robots: Sequence[RobotAttention]) -> tu
     for each, end in zip(events, ends, strict=True):
         span = max(0.0, end - each.time)
         drives = [state.bound_for is not None for state in each.after.robots]
-        waits = [waits_for_person(each.after, robot) for robot in range(len(robots))]
+        waits = [waits_for_person(each.after, robot, seat) for robot in range(len(robots))]
         for robot, figures in enumerate(robots):
             figures.under_way += span * drives[robot]
             figures.waiting += span * waits[robot]
@@ -214,9 +215,14 @@ def _integrate(recording: GameRecording, robots: Sequence[RobotAttention]) -> tu
     return waited, both
 
 
-def waits_for_person(state: GameState, robot: int) -> bool:
-    """Return True if a robot waits for the person; see the module's description."""
+def waits_for_person(state: GameState, robot: int, seat: str = "") -> bool:
+    """Return True if a robot waits for the person; see the module's description.
+
+    In a game with several seats, a robot waits for the person of the seat that commands it.
+    """
     here = state.robots[robot]
+    if seat and here.command.name != seat:
+        return False
     if state.ended or here.bound_for is not None or here.is_silent or here.command.by is not Commander.PARTICIPANT:
         return False
     if rules.affordable(state, robot):

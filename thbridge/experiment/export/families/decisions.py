@@ -72,6 +72,7 @@ class GameDecision:
         refused: True if the robot rejected or denied the person's proposal.
         dialogues: number of dialogues about the decision.
         points: points for a name.
+        seat: seat of the decision maker; empty in games with one participant.
     """
 
     robot: int
@@ -91,6 +92,7 @@ class GameDecision:
     refused: bool = False
     dialogues: int = 0
     points: int | None = None
+    seat: str = ""
 
     @property
     def agreed(self) -> bool | None:
@@ -160,7 +162,7 @@ def decisions_of(recording: GameRecording, planner: TeamPlanner = TeamPlanner.JO
     open_: dict[tuple[int, str], _Matter] = {}
     openings: dict[int, _Opening] = {}
     subjects: dict[int, Discussed] = {}
-    argues = any(recording.moves)
+    argues, seats = any(recording.moves), recording.seats
     advised_at: dict[int, float] = {}
     now: TimedEvent | None = None
 
@@ -193,6 +195,7 @@ def decisions_of(recording: GameRecording, planner: TeamPlanner = TeamPlanner.JO
             refused=about.refused,
             dialogues=len(about.talks),
             points=points,
+            seat=str(getattr(each.event, "seat", "")) or each.before.robots[robot].command.name * bool(seats),
         )
 
     def begin_talk(talk: int, robot: int) -> None:

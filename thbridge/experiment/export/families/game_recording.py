@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from thbridge.analysis.report.dialogues import DialogueGatherer, RecordedGame
@@ -12,14 +12,14 @@ from thbridge.experiment.progress import Run
 from thbridge.files.errors import BadFile
 from thbridge.hunt import game
 from thbridge.hunt.codec import from_json
-from thbridge.hunt.events import DialogueOpened, DialogueSaid, Event, GameEnded, GameStarted, KeyUsed
+from thbridge.hunt.events import Event, GameEnded, GameStarted, JournalOnly, TeamEntry
 from thbridge.recording.bag.reading.reader import RawMessage, info, messages
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.session_records import DialogueMoveRecord, UtteranceRecord
 from thbridge.ros.messages.stamps import START_NS
-from thbridge.ros.names import DIALOGUE_MOVES, DIALOGUE_STATES, GAME_EVENTS, UTTERANCES
+from thbridge.ros.names import DIALOGUE_MOVES, DIALOGUE_STATES, GAME_EVENTS, TEAM, UTTERANCES
 
-_TOPICS = (GAME_EVENTS, UTTERANCES, DIALOGUE_MOVES, DIALOGUE_STATES)
+_TOPICS = (GAME_EVENTS, UTTERANCES, DIALOGUE_MOVES, DIALOGUE_STATES, TEAM)
 _NOT_OF_THE_GAME = frozenset({"collision", "appeared", "vanished", "died", "revived", "carried", "authored"})
 """Kinds of recorded events that are not events of the hunt."""
 
@@ -55,6 +55,14 @@ class TimedMove:
 
     time: float
     move: DialogueMoveRecord
+
+
+@dataclass(frozen=True, slots=True)
+class TimedTeamEntry:
+    """A text or vote of a participant, or their presence, and its time in seconds since the start of the game."""
+
+    time: float
+    entry: TeamEntry
 
 
 Happening = TimedEvent | TimedUtterance | TimedMove
@@ -100,6 +108,7 @@ class GameRecording:
         duration: time from the start to the end of the game, or to the end of the recording, s.
         games: the dialogue games.
         began: simulated time from the first tick of the recording to the start of the game, s.
+        team: texts and votes of the participants, in a game with several seats, in order.
     """
 
     happenings: list[Happening] = field(default_factory=list)
@@ -107,6 +116,7 @@ class GameRecording:
     duration: float = 0.0
     games: tuple[RecordedGame, ...] = ()
     began: float = 0.0
+    team: list[TimedTeamEntry] = field(default_factory=list)
 
     @property
     def events(self) -> Iterator[TimedEvent]:
@@ -127,6 +137,48 @@ class GameRecording:
     def robots(self) -> int:
         """Number of robots."""
         return next(len(each.after.robots) for each in self.events)
+
+    @property
+    def seats(self) -> tuple[str, ...]:
+        """Names of the seats; empty if the game has one participant."""
+        return next((tuple(seat.name for seat in each.after.started.seats) for each in self.events), ())
+
+    def of_seat(self, seat: str) -> "GameRecording":
+        """Return the recording with only the dialogues of a seat.
+
+        A dialogue belongs to the first seat that speaks in it. If no seat speaks, it belongs to the seat that commanded
+        the robot.
+        """
+        commands: dict[int, str] = {}
+        spoke: dict[int, str] = {}
+        silent: dict[int, str] = {}
+        for each in self.happenings:
+            match each:
+                case TimedEvent(after=state):
+                    commands = {robot: here.command.name for robot, here in enumerate(state.robots)}
+                case TimedUtterance(said=said):
+                    silent.setdefault(said.dialogue, commands.get(said.robot, ""))
+                    if said.seat:
+                        spoke.setdefault(said.dialogue, said.seat)
+                case TimedMove(move=move):
+                    silent.setdefault(move.talk, commands.get(move.robot, ""))
+        own = {talk for talk, name in {**silent, **spoke}.items() if name == seat}
+        return replace(
+            self,
+            happenings=[each for each in self.happenings if _talk_of(each) in {None, *own}],
+            games=tuple(played for played in self.games if played.talk in own),
+        )
+
+
+def _talk_of(happening: Happening) -> int | None:
+    """Return the number of the dialogue of an utterance or move, or None for an event."""
+    match happening:
+        case TimedUtterance(said=said):
+            return said.dialogue
+        case TimedMove(move=move):
+            return move.talk
+        case TimedEvent():
+            return None
 
 
 def read_game(bag: Path) -> GameRecording:
@@ -162,6 +214,11 @@ class _Builder:
             raise ValueError(f"{message.topic} has the type {message.msgtype} of another release")
         time = (message.stamp_ns - self._begin_ns) / 1e9
         match message.msgtype:
+            case types.GAME_EVENT if message.topic == TEAM:
+                entry = from_json(unpack.game_event(message.data).json)
+                if not isinstance(entry, TeamEntry):
+                    raise ValueError(f"{TEAM} has an event that is neither a text nor a vote")
+                self._recording.team.append(TimedTeamEntry(time, entry))
             case types.GAME_EVENT:
                 self._event(message.stamp_ns, message.data)
             case types.UTTERANCE:
@@ -182,7 +239,7 @@ class _Builder:
                 self._recording.collisions[record.robot] += 1
             return
         event = from_json(record.json)
-        if isinstance(event, DialogueOpened | DialogueSaid | KeyUsed):
+        if isinstance(event, JournalOnly):
             raise ValueError(f"it has an event {record.kind}, which is only valid in journals")
         if isinstance(event, GameStarted):
             self._recording, self._dialogues, self._ended = GameRecording(), DialogueGatherer(), None

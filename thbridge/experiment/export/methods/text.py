@@ -7,6 +7,7 @@ and 2; the flow of participants after CONSORT (2010).
 from collections.abc import Iterator, Mapping
 
 from thbridge.experiment.export.methods.design import design_section
+from thbridge.experiment.export.methods.groups import groups_section
 from thbridge.experiment.export.methods.markdown import listing, paragraph, sentence
 from thbridge.experiment.export.methods.materials import materials_section
 from thbridge.experiment.export.methods.measures import measures_section
@@ -39,6 +40,7 @@ def _lines(records: ExperimentRecords, versions: Mapping[str, str], registered: 
     yield from participants_section(records, people)
     yield from sample_size_section(records)
     yield from design_section(records, people)
+    yield from groups_section(records, people)
     yield from materials_section(records, versions, people)
     yield from measures_section(records)
     yield from procedure_section(records, people)

@@ -4,7 +4,6 @@ from sim.common.observations import TICKS_PER_SECOND
 from thbridge.mavlink.values.conventions import BY_OTHERS, BY_PARTICIPANT
 from thbridge.mavlink.values.vehicle_interface import (
     NO_READINGS,
-    PARTICIPANT,
     DenialKind,
     Denied,
     RobotReadings,
@@ -48,7 +47,7 @@ class OperatorControl:
         """Commander as a number: a station's system id, `BY_PARTICIPANT`, or `BY_OTHERS`."""
         if self.station is not None and not self.is_overruled:
             return self.station.system
-        return BY_PARTICIPANT if self._readings.commanded_by == PARTICIPANT else BY_OTHERS
+        return BY_PARTICIPANT if self._readings.commanded_by == self._readings.participant else BY_OTHERS
 
     @property
     def is_lost(self) -> bool:
@@ -61,7 +60,7 @@ class OperatorControl:
         ours, readings = str(self.station), self._readings
         if self.station is None or readings.commander not in (None, ours):
             return False
-        return readings.commanded_by not in (PARTICIPANT, ours)
+        return readings.commanded_by not in (readings.participant, ours)
 
     @property
     def _timeout(self) -> int:
@@ -99,7 +98,7 @@ class OperatorControl:
         if self.station is not None:
             self.station = None
             self._robot.release()
-            self._announce(TextSeverity.NOTICE, "Commanded by the participant again.")
+            self._announce(TextSeverity.NOTICE, f"Commanded by the {self._readings.participant} again.")
 
     def heartbeat(self, station: Station) -> None:
         """Store the time of a heartbeat from any component of a station."""

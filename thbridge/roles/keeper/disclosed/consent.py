@@ -43,10 +43,12 @@ class ConsentAnswer:
 
     Args:
         asked: True if the study has a consent text.
+        seat: name of the participant's seat.
     """
 
-    def __init__(self, asked: bool) -> None:
+    def __init__(self, asked: bool, seat: str = "") -> None:
         self._asked = asked
+        self._seat = seat
         self._early: GiveConsent | None = None
         self._declined = False
         self._legacy = False
@@ -69,7 +71,7 @@ class ConsentAnswer:
         if self._declined and self.awaited(state):
             return ()
         if state is not None and not self._another:
-            return () if state.agreed else (ConsentGiven(consent.at),)
+            return () if self._seat in state.agreements else (ConsentGiven(consent.at),)
         if self._asked and self._early is None:
             self._early = consent
         return ()
@@ -88,11 +90,13 @@ class ConsentAnswer:
         another, self._another = self._another, False
         if early is not None:
             return (ConsentGiven(early.at),)
-        return (ConsentGiven(former.agreed_at),) if former is not None and former.agreed and not another else ()
+        if former is None or another or self._seat not in former.agreements:
+            return ()
+        return (ConsentGiven(former.agreements[self._seat]),)
 
     def awaited(self, state: GameState | None) -> bool:
         """Return True if the game waits for the participant's consent."""
-        agreed = self._early is not None if state is None or self._another else state.agreed
+        agreed = self._early is not None if state is None or self._another else self._seat in state.agreements
         return self._asked and not agreed
 
     def status(self, state: GameState | None) -> ConsentStatus:

@@ -2,11 +2,12 @@
 
 import base64
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.shared.notices import PicturePiece
+from thbridge.roles.shared.team_notices import TalkLine, TeamTalk
 from thbridge.roles.shared.view import View
 from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice_format import Notice, encode_notice
@@ -20,6 +21,10 @@ PIECE_SIZE = 30_000
 PIECE_PERIOD = TICKS_PER_SECOND // 12
 """Number of ticks between two pieces. Without pauses, a large picture would overload a slow connection, and the server
 would close this connection."""
+
+
+TALK_LINES = 8
+"""Greatest number of texts in one line. Even if each character is escaped, they fit into a line of 64 KiB."""
 
 
 class Participants:
@@ -43,6 +48,8 @@ class Participants:
         self._taken: dict[int, str] = {}
         self._pieces: deque[tuple[str, PicturePiece]] = deque()
         self._next_piece = 0
+        # Game of the texts, and the number of texts that all programs except new programs have.
+        self._talk_of = self._talk_shown = 0
 
     def __contains__(self, name: str) -> bool:
         return name in self._members
@@ -96,8 +103,13 @@ class Participants:
         numbers[number] = None
         return False
 
+    @property
+    def is_present(self) -> bool:
+        """True if at least one program is connected, as far as it is known."""
+        return any(name not in self._unreachable for name in self._members)
+
     def note_unreachable(self, name: str) -> None:
-        """Record that a notice to a program could not be delivered."""
+        """Record that a program was disconnected, or that a notice to it could not be delivered."""
         if name in self._members:
             self._unreachable.add(name)
 
@@ -114,6 +126,23 @@ class Participants:
         self._shown = view
         outgoing = [encode_notice(self._sender, name, view) for name in receivers]
         self._newcomers = {}
+        return outgoing
+
+    def show_talk(self, game: int, lines: Sequence[TalkLine]) -> list[TextMessage]:
+        """Return the messages with texts of other participants, for all programs that do not have them.
+
+        Call this before `show`, which completes the joining of programs.
+        """
+        if game != self._talk_of:
+            self._talk_of, self._talk_shown = game, 0
+        outgoing = []
+        for name in self._members:
+            first = 0 if name in self._newcomers else self._talk_shown
+            for start in range(first, len(lines), TALK_LINES):
+                outgoing.append(
+                    encode_notice(self._sender, name, TeamTalk(game, tuple(lines[start : start + TALK_LINES])))
+                )
+        self._talk_shown = len(lines)
         return outgoing
 
     def pieces(self, tick: int) -> list[TextMessage]:

@@ -14,9 +14,11 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.properties import labelled, named_by_labels
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
+from thbridge.hunt.seats import Seat
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.shared.participant_lines import LineRequest, decode_request_line
 from thbridge.roles.shared.participant_rules import KeeperReason
+from thbridge.roles.shared.seat_rights import why_not_allowed
 from thbridge.roles.shared.view import DialogueMatter, IdentifyTreasure, SendRobot, SenseTreasure, TakePicture
 from thbridge.text_protocol.wire import canonical, legacy
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage, UnreadableText
@@ -79,6 +81,14 @@ class LegacyLines:
             return self._request(state, request, needs_consent)
         return None
 
+    def carry_out(self, state: GameState, request: LineRequest, seat: Seat) -> None:
+        """Carry out a request of the participant of a seat, or store its refusal."""
+        refused = why_not_allowed(state, seat, request)
+        if refused is None:
+            self._request(state, request, needs_consent=True)
+        else:
+            self._game.refuse(kind_of(type(request)), refused)
+
     def _request(self, state: GameState, request: LineRequest, needs_consent: bool) -> TextMessage | None:
         """Handle a request of the participant. Return Hider's answer."""
         match request:
@@ -108,9 +118,21 @@ class LegacyLines:
                 if game.last_game == number:
                     self._apply_reported(state, lambda: rules.identify(state, place, name, points))
 
+    def ruling(self, state: GameState, request: SendRobot | IdentifyTreasure) -> rules.Ruling:
+        """Return the events of a request of our own program, or its refusal, without any effect."""
+        match request:
+            case SendRobot(robot, room):
+                return self._move(state, robot, Room(room), needs_consent=True)
+            case IdentifyTreasure(room, name):
+                at = Room(room)
+                return self._agreed(rules.identify(state, at, name), state, at, "take-treasure", name)
+
     def _send(self, state: GameState, robot: int, room: Room, needs_consent: bool) -> None:
-        if _has_gone(state, robot, room, arrived=needs_consent):
-            return
+        if not _has_gone(state, robot, room, arrived=needs_consent):
+            self._game.apply_ruling(kind_of(SendRobot), self._move(state, robot, room, needs_consent=needs_consent))
+
+    def _move(self, state: GameState, robot: int, room: Room, *, needs_consent: bool) -> rules.Ruling:
+        """Return the events of a robot's move, or a refusal, for example without an agreement with the robot."""
         ruling = rules.move(state, robot, room)
         if (
             isinstance(ruling, tuple)
@@ -118,10 +140,8 @@ class LegacyLines:
             and not self._game.dialogues.agreements.is_agreed(robot, "select-room", room)
         ):
             name = robot_name(robot)
-            ruling = RequestRefused(
-                KeeperReason.NO_CONSENSUS, f"You have not agreed with {name} that it goes to {room}."
-            )
-        self._game.apply_ruling(kind_of(SendRobot), ruling)
+            return RequestRefused(KeeperReason.NO_CONSENSUS, f"You have not agreed with {name} that it goes to {room}.")
+        return ruling
 
     def _arrived(self, state: GameState, robot: int, room: Room) -> None:
         here = state.robots[robot] if state.has_robot(robot) else None

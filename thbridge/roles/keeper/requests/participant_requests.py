@@ -7,24 +7,23 @@ from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
+from thbridge.hunt.seats import Seat
 from thbridge.roles.keeper.agreements import MATTERS
 from thbridge.roles.keeper.initiative import discuss, suggest
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.shared.participant_rules import Situation, judge, place
+from thbridge.roles.shared.seat_rights import why_not_allowed
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     EndGame,
-    IdentifyTreasure,
+    HandOver,
     LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
     RequestHandback,
     RequestSuggestion,
     SelectRoom,
-    SendRobot,
-    SenseTreasure,
     StopRobot,
-    TakePicture,
     TakeUpTreasure,
     TellProperty,
 )
@@ -34,13 +33,10 @@ NoticeRequest: TypeAlias = (
     SelectRoom
     | RequestSuggestion
     | AnswerDialogue
-    | SendRobot
     | StopRobot
     | RequestHandback
-    | SenseTreasure
+    | HandOver
     | OpenDialogue
-    | TakePicture
-    | IdentifyTreasure
     | LeaveTreasure
     | TakeUpTreasure
     | EndGame
@@ -51,7 +47,7 @@ NoticeRequest: TypeAlias = (
 
 
 def handle_participant_request(
-    game: OpenGame, state: GameState, request: NoticeRequest, *, awaits_treasures: bool
+    game: OpenGame, state: GameState, request: NoticeRequest, seat: Seat | None = None, *, awaits_treasures: bool
 ) -> None:
     """Carry out a request, or store its refusal. Requests with their own lines of 2016 have no effect here.
 
@@ -59,14 +55,15 @@ def handle_participant_request(
         game: the game in progress.
         state: state of the game.
         request: the request.
+        seat: seat of the participant; None in a game with one participant.
         awaits_treasures: True if Hider has not hidden the treasures yet. Then no robot is sent.
     """
-    now, kind = Situation(state, game.dialogues.discussed, awaits_treasures), kind_of(type(request))
+    now, kind = Situation(state, game.dialogues.discussed, awaits_treasures, seat), kind_of(type(request))
     robot = _robot_of(game, state, request)
     if robot is not None:
         game.attend(robot)
     match request:
-        case LeaveTreasure() | TakeUpTreasure() | MeasureProperty() | TellProperty():
+        case LeaveTreasure() | TakeUpTreasure() | MeasureProperty() | TellProperty() | HandOver():
             game.apply_ruling(kind, judge(now, request))
         case EndGame():
             if request.game == state.started.game:
@@ -74,7 +71,10 @@ def handle_participant_request(
         case RequestHandback():
             ruling = judge(now, request)
             # A quick repetition has no effect, unless the request has become impossible.
-            if isinstance(ruling, RequestRefused) or request.robot not in game.handbacks.robots:
+            asker = "" if seat is None else seat.name
+            if isinstance(ruling, RequestRefused) or not (
+                request.robot in game.handbacks.robots and state.robots[request.robot].asked_by == asker
+            ):
                 game.apply_ruling(kind, ruling)
         case StopRobot():
             if game.apply_ruling(kind, judge(now, request)):
@@ -92,9 +92,12 @@ def handle_participant_request(
             name = request.name if scenario is Scenario.TAKE_TREASURE else None
             _open(game, state, judge(now, request), scenario, request.robot, place(request.room), name)
         case AnswerDialogue(dialogue, turn, choice):
-            game.dialogues.answer(state, dialogue, turn, choice)
-        case SendRobot() | SenseTreasure() | TakePicture() | IdentifyTreasure():
-            pass
+            about = game.dialogues.under_way.matter_of(dialogue)
+            refused = None if seat is None else why_not_allowed(state, seat, request, about)
+            if refused is None:
+                game.dialogues.answer(state, dialogue, turn, choice)
+            else:
+                game.refuse(kind, refused)
         case _:
             assert_never(request)
 

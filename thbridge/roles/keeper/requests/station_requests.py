@@ -78,9 +78,9 @@ def return_robots(game: OpenGame) -> None:
     robots = () if game.state is None else game.state.robots
     game.record(
         tuple(
-            CommanderChanged(number, Commander.PARTICIPANT, "")
+            CommanderChanged(number, Commander.PARTICIPANT, robot.seat)
             for number, robot in enumerate(robots)
-            if robot.command != CommandHolder()
+            if robot.command.by is not Commander.PARTICIPANT
         )
     )
 
@@ -92,7 +92,7 @@ def _stop(game: OpenGame, state: GameState, robot: int) -> None:
     """
     if not game.moves.is_stopping(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
         sentence = f"A ground station has stopped {robot_name(robot)}."
-        game.refuse(kind_of(SendRobot), RequestRefused(KeeperReason.STOPPED, sentence))
+        game.refuse(kind_of(SendRobot), RequestRefused(KeeperReason.STOPPED, sentence), robot)
     game.stop(robot)
 
 
@@ -102,7 +102,9 @@ def ruling_on(state: GameState, request: JudgedRequest) -> rules.Ruling:
         case TakeCommand(robot, name):
             return rules.command(state, robot, CommandHolder(Commander.GROUND_STATION, name))
         case ReleaseCommand(robot):
-            return rules.command(state, robot, CommandHolder())
+            return rules.command(
+                state, robot, CommandHolder(name=state.robots[robot].seat if state.has_robot(robot) else "")
+            )
         case StationSend(robot, room):
             return rules.move(state, robot, Room(max(room, 0)), Commander.GROUND_STATION)
         case StationTakePicture() | StationIdentify() | StationLeave():

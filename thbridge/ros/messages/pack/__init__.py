@@ -31,6 +31,7 @@ from thbridge.ros.messages.pack.game import (
     game_event,
     outside_input,
     score,
+    seat_notice,
     session,
     utterance,
 )

@@ -13,6 +13,7 @@ from thbridge.ros.messages.session_records import (
     GameEvent,
     InputRecord,
     ScoreRecord,
+    SeatNotice,
     SessionRecord,
     UtteranceRecord,
 )
@@ -96,6 +97,11 @@ def dialogue_state(tick: int, record: DialogueStateRecord) -> bytes:
 def outside_input(tick: int, record: InputRecord) -> bytes:
     """Encode thbridge_msgs/Input."""
     return header(tick) + b"".join(string(text) for text in (record.kind, record.sender, record.line, record.json))
+
+
+def seat_notice(tick: int, record: SeatNotice) -> bytes:
+    """Encode thbridge_msgs/SeatNotice."""
+    return header(tick) + b"".join(string(text) for text in (record.seat, record.kind, record.json))
 
 
 def _robot(robot: int | None) -> int:

@@ -19,6 +19,7 @@ from thbridge.ros.messages.unpack.game import (
     game_event,
     outside_input,
     score,
+    seat_notice,
     utterance,
 )
 from thbridge.ros.messages.unpack.logs import diagnostic_array, log, string

@@ -10,6 +10,7 @@ from thbridge.ros.messages.session_records import (
     GameEvent,
     InputRecord,
     ScoreRecord,
+    SeatNotice,
     UtteranceRecord,
 )
 
@@ -77,6 +78,12 @@ def outside_input(data: bytes) -> InputRecord:
     """Decode thbridge_msgs/Input."""
     cursor = Cursor.behind_header(data)
     return InputRecord(cursor.string(), cursor.string(), cursor.string(), cursor.string())
+
+
+def seat_notice(data: bytes) -> SeatNotice:
+    """Decode thbridge_msgs/SeatNotice."""
+    cursor = Cursor.behind_header(data)
+    return SeatNotice(cursor.string(), cursor.string(), cursor.string())
 
 
 def _robot(number: int) -> int | None:

@@ -8,13 +8,14 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.properties import Teller, values_in_words
 from thbridge.roles.shared.view import DialogueView, LastWords, RobotView, RoomView, View
 from ui.model.playing.screen import HistoryLine
+from ui.model.playing.seat_view import is_own, partner_of, sees_energy, sees_score
 from ui.model.playing.words import outcome_of, verdict_words
 from ui.model.shared.points import scored
 
 MAX_LINES = 500
 """Maximum number of lines in the history."""
 
-SpokenLine = tuple[Literal["robot", "you"], str]
+SpokenLine = tuple[Literal["robot", "you", "teammate"], str]
 """Speaker of a sentence, and the sentence."""
 
 
@@ -113,23 +114,30 @@ class GameHistory:
                 for sentence in _room_changes(texts, view, old, new):
                     self.add_event(sentence, new.robot)
         for dialogue in view.dialogues:
-            self._receive_sentences(texts, dialogue)
+            self._receive_sentences(texts, view, dialogue)
         ended = [words for words in view.last_words if before is not None and words not in before.last_words]
         for words in ended:
-            self._receive_sentences(texts, words)
+            self._receive_sentences(texts, view, words)
             if not (words.agreed or words.is_told):
                 self.add_event(outcome_of(texts, words), words.robot)
         self._known_sentences = {
             dialogue.dialogue: self._known_sentences[dialogue.dialogue] for dialogue in view.dialogues
         }
         if view.over is not None and (before is None or before.over is None):
-            self.add_event(texts.text("history.over", score=scored(view.score)))
+            over = texts.text("history.over", score=scored(view.score))
+            self.add_event(over if sees_score(view) else texts.text("seats.over"))
 
     def _begin(self, texts: Texts, view: View, *, once: bool) -> None:
         fresh = all(room.state == "unvisited" for room in view.rooms)
+        if fresh:
+            key = "history.begins_once" if once else "history.begins"
+        elif sees_score(view):
+            key = "history.under_way_once" if once else "history.under_way"
+        else:
+            key = "seats.under_way_once" if once else "seats.under_way"
         self.add_event(
             texts.text(
-                f"history.{'begins' if fresh else 'under_way'}{'_once' if once else ''}",
+                key,
                 number=view.game,
                 robots=texts.text("words.robots", count=len(view.robots)),
                 rooms=texts.text("words.rooms", count=len(view.rooms)),
@@ -137,8 +145,11 @@ class GameHistory:
             )
         )
 
-    def _receive_sentences(self, texts: Texts, dialogue: DialogueView | LastWords) -> None:
-        sentences = spoken(dialogue)
+    def _receive_sentences(self, texts: Texts, view: View, dialogue: DialogueView | LastWords) -> None:
+        own = is_own(view, dialogue.robot, dialogue.matter)
+        partner = partner_of(view, dialogue) if isinstance(dialogue, DialogueView) else ""
+        partner = partner or ("" if own else view.robots[dialogue.robot].commander_name)
+        sentences = spoken(dialogue, own=own)
         known = self._known_sentences.get(dialogue.dialogue)
         if known is None:
             # The participant's opening sentence is already in the history.
@@ -146,7 +157,7 @@ class GameHistory:
             known = 1 if is_hers and dialogue.robot in self._requested else 0
         self._requested.discard(dialogue.robot)
         for speaker, sentence in sentences[known:]:
-            self._append(speaker, dialogue.robot, sentence)
+            self._append(speaker, dialogue.robot, sentence, partner if speaker == "teammate" else "")
             if speaker == "robot":
                 self._announcements.append(texts.text("history.robot_says", robot=dialogue.robot, sentence=sentence))
         self._known_sentences[dialogue.dialogue] = max(known, len(sentences))
@@ -165,8 +176,10 @@ class GameHistory:
                 return count
         return 0
 
-    def _append(self, speaker: Literal["robot", "you", "game"], robot: int | None, text: str) -> None:
-        self._lines.append(HistoryLine(speaker, robot, text))
+    def _append(
+        self, speaker: Literal["robot", "you", "teammate", "game"], robot: int | None, text: str, teammate: str = ""
+    ) -> None:
+        self._lines.append(HistoryLine(speaker, robot, text, teammate))
         self._kept.add(self._lines[-1])
 
 
@@ -175,23 +188,23 @@ def says(dialogue: DialogueView, choice: int) -> bool:
     return dialogue.acts[choice : choice + 1] not in {("open-questions",), ("close-questions",)}
 
 
-def spoken(dialogue: DialogueView | LastWords) -> tuple[SpokenLine, ...]:
-    """Return the sentences of a dialogue, each with its speaker.
+def spoken(dialogue: DialogueView | LastWords, *, own: bool = True) -> tuple[SpokenLine, ...]:
+    """Return the sentences of a dialogue, each with its speaker. If `own` is False, a teammate talks with the robot.
 
     If the view does not name the speakers, robot and participant alternate, and the robot begins.
     """
     told = dialogue.speakers or ["person" if index % 2 else "robot" for index in range(len(dialogue.said))]
     return tuple(
-        ("robot" if speaker == "robot" else "you", sentence)
+        ("robot" if speaker == "robot" else "you" if own else "teammate", sentence)
         for speaker, sentence in zip(told, dialogue.said, strict=True)
     )
 
 
-def stopped_words(texts: Texts, was: RobotView, now: RobotView) -> str:
-    """Return sentences about a robot that has stopped on its path, with the refunded energy."""
+def stopped_words(texts: Texts, was: RobotView, now: RobotView, *, shows_energy: bool) -> str:
+    """Return sentences about a robot that has stopped on its path, with the refunded energy if it is shown."""
     stopped = texts.text("history.stopped", robot=now.robot, room=was.moving_to or 0)
     back = now.energy - was.energy
-    if now.moving_to is None and back > 0.0:
+    if now.moving_to is None and back > 0.0 and shows_energy:
         return f"{stopped} {texts.text('history.energy_back', energy=back)}"
     return stopped
 
@@ -202,9 +215,13 @@ def _robot_changes(texts: Texts, was: RobotView, now: RobotView, view: View) -> 
         if view.room(was.moving_to).state == "visited":
             yield texts.text("history.arrived", robot=robot, room=was.moving_to)
         else:
-            yield stopped_words(texts, was, now)
+            yield stopped_words(texts, was, now, shows_energy=sees_energy(view))
     if now.moving_to is not None and was.moving_to != now.moving_to:
-        yield texts.text("history.sets_out", robot=robot, room=now.moving_to, energy=now.energy)
+        yield (
+            texts.text("history.sets_out", robot=robot, room=now.moving_to, energy=now.energy)
+            if sees_energy(view)
+            else texts.text("seats.sets_out", robot=robot, room=now.moving_to)
+        )
     if now.condition is not was.condition:
         yield texts.text(f"history.condition_{now.condition}", robot=robot)
     if now.blocked and not was.blocked:
@@ -240,7 +257,9 @@ def _room_changes(texts: Texts, view: View, old: RoomView, new: RoomView) -> Ite
         yield texts.text(
             "history.named",
             room=room,
-            verdict=verdict_words(texts, view.word_for(new.verdict.name), new.verdict.points),
+            verdict=verdict_words(
+                texts, view.word_for(new.verdict.name), new.verdict.points, shows_points=sees_score(view)
+            ),
         )
     if new.left and not old.left:
         yield texts.text("history.left", room=room)

@@ -4,10 +4,12 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.roles.shared.participant_rules import Situation, revealed
+from thbridge.roles.shared.team_notices import Vote, VoteView
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     EndGame,
     GiveConsent,
+    HandOver,
     LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
@@ -24,6 +26,7 @@ from thbridge.roles.shared.view import (
     refusal_wishes,
 )
 from ui.model.playing.possible import why_not_ask, why_not_command, why_not_find_out, why_not_go, why_not_work
+from ui.model.playing.seat_view import decision_about, decisions
 
 
 class PendingRequests:
@@ -52,7 +55,7 @@ class PendingRequests:
         return tuple(self._requests)
 
     def ask(self, request: ParticipantRequest, view: View) -> None:
-        """Add a request. It replaces earlier requests about the robot's next room, or about the same property."""
+        """Add a request. It replaces earlier ones about the robot's next room, the same property or the same vote."""
         if isinstance(request, SelectRoom | RequestSuggestion):
             self.forget_destination(request.robot)
         if isinstance(request, TellProperty):
@@ -60,6 +63,10 @@ class PendingRequests:
             told = [each for each in self._requests if isinstance(each, TellProperty)]
             for earlier in (each for each in told if (each.room, each.property) == about):
                 del self._requests[earlier]
+        if isinstance(request, Vote):
+            votes = [each for each in self._requests if isinstance(each, Vote)]
+            for vote in (each for each in votes if each.decision == request.decision):
+                del self._requests[vote]
         self._requests[request] = (
             _open_dialogue(view, request.robot) if isinstance(request, RequestSuggestion) else None
         )
@@ -146,7 +153,14 @@ def _granted(request: ParticipantRequest, view: View, known: Situation, before: 
         case TellProperty(room, name, value):
             return view.room(room).told.get(name) == value
         case EndGame(game):
-            return view.over is not None or view.game != game
+            # If several people must agree, the request opens a vote.
+            return view.over is not None or view.game != game or decision_about(view) is not None
+        case HandOver(robot):
+            return view.robots[robot].has_other_commander
+        case Vote(decision, agrees, reason):
+            known_votes = {each.decision: each.votes for each in decisions(view)}
+            own = "" if view.team is None else view.team.own.name
+            return decision not in known_votes or VoteView(own, agrees, reason) in known_votes[decision]
         case PlayAgain(game):
             return view.game != game
         case _:

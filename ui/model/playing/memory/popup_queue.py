@@ -1,6 +1,6 @@
 """Queue of pop-ups: one pop-up is shown, all others wait."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 
@@ -25,7 +25,12 @@ PopupItem = DestinationItem | TreasureItem
 class PopupQueue:
     """Queue of the pop-up shown and of the waiting pop-ups, oldest first.
 
-    The pop-up shown changes only after an act of the participant.
+    The pop-up shown changes only after an act of the participant. Quiet pop-ups are about teammates: they never open by
+    themselves, and a pop-up that waits for the participant replaces them.
+
+    Attributes:
+        shown: the pop-up shown; None if there is none.
+        quiet: quiet pop-ups.
     """
 
     def __init__(self) -> None:
@@ -35,6 +40,7 @@ class PopupQueue:
         # of the pop-up that replaced them.
         self._left: set[PopupItem] = set()
         self.shown: PopupItem | None = None
+        self.quiet: frozenset[PopupItem] = frozenset()
 
     @property
     def waiting(self) -> tuple[PopupItem, ...]:
@@ -45,15 +51,19 @@ class PopupQueue:
     def next(self) -> PopupItem | None:
         """Pop-up that `put_aside` would show."""
         fresh = next(iter(self._fresh()), None)
-        return fresh if fresh is not None or self.shown is not None else next(iter(self.waiting), None)
+        if fresh is not None or self.shown is not None:
+            return fresh
+        return min(self.waiting, key=lambda item: item in self.quiet, default=None)
 
-    def update(self, live: Sequence[PopupItem], only_of: int | None = None) -> None:
+    def update(self, live: Sequence[PopupItem], only_of: int | None = None, quiet: Collection[PopupItem] = ()) -> None:
         """Keep only these items, and append new items.
 
         Args:
             live: all items that should be open.
             only_of: if no item is shown now, only items of this robot may be shown. If None, all items may be shown.
+            quiet: items that do not open by themselves.
         """
+        self.quiet = frozenset(quiet)
         self._items = [item for item in self._items if item in live]
         self._items += [item for item in live if item not in self._items]
         self._aside &= set(live)
@@ -62,7 +72,8 @@ class PopupQueue:
             if self.shown is not None:
                 self._left.clear()
             self.shown = None
-            self.shown = next((item for item in self._fresh() if only_of in (None, item.robot)), None)
+        if self.shown is None or self.shown in self.quiet:
+            self.shown = next((item for item in self._fresh() if only_of in (None, item.robot)), self.shown)
 
     def show(self, item: PopupItem) -> None:
         """Show an item that the participant has requested; the item shown before waits."""
@@ -97,5 +108,5 @@ class PopupQueue:
             self._left.discard(following)
 
     def _fresh(self) -> list[PopupItem]:
-        """Return the waiting items, without items that were put aside or replaced by an item of another robot."""
-        return [item for item in self.waiting if item not in self._aside | self._left]
+        """Return the waiting items, without quiet items and items that were put aside or replaced."""
+        return [item for item in self.waiting if item not in self._aside | self._left | self.quiet]

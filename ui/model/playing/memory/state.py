@@ -17,6 +17,7 @@ from ui.model.playing.memory.name_choice import NameChoice
 from ui.model.playing.memory.pending import PendingRequests
 from ui.model.playing.memory.pictures import Pictures
 from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, PopupQueue, TreasureItem
+from ui.model.playing.memory.talk import TalkMemory
 from ui.model.playing.screen import GameSound
 
 
@@ -56,6 +57,13 @@ class LeaveWindow:
 
 
 @dataclass(frozen=True, slots=True)
+class HandOverStep:
+    """Step that needs a choice: the participant hands over a robot to a teammate."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
 class Note:
     """Sentence that is shown for a limited time.
 
@@ -70,7 +78,7 @@ class Note:
     about: PopupItem | None = None
 
 
-PendingStep = Reroute | DepartUndecided | EndGameEarly | LeaveLastTreasure | LeaveWindow
+PendingStep = Reroute | DepartUndecided | EndGameEarly | LeaveLastTreasure | LeaveWindow | HandOverStep
 """Step that waits for the participant's confirmation."""
 
 
@@ -133,6 +141,11 @@ class HuntMemory:
     def seconds(self) -> int:
         """Simulated time since the beginning of the game, in whole seconds."""
         return 0 if self.ticks is None else (self.ticks[1] - self.ticks[0]) // TICKS_PER_SECOND
+
+    def seconds_of(self, at: float) -> int:
+        """Return the time of the game at a simulated time, in whole seconds."""
+        began = 0.0 if self.ticks is None else self.ticks[0] / TICKS_PER_SECOND
+        return max(0, int(at - began))
 
     @property
     def picked(self) -> str | None:
@@ -273,6 +286,7 @@ class ParticipantMemory:
         can_sound: True if the computer can play sounds.
         sounds: sounds to play with the next screen.
         once: True if only one game is played, and another part of a study follows.
+        talk: texts between the participants of the game.
     """
 
     texts: Texts
@@ -298,6 +312,7 @@ class ParticipantMemory:
     can_sound: bool = True
     sounds: list[GameSound] = field(default_factory=list)
     once: bool = False
+    talk: TalkMemory = field(default_factory=TalkMemory)
 
     def motion(self, robot: int) -> RobotMotion:
         """Return the progress of a robot on its path, from the last telemetry.

@@ -10,6 +10,7 @@ from ui.model.playing.memory.popup_queue import DestinationItem
 from ui.model.playing.memory.state import HuntMemory
 from ui.model.playing.possible import energy_warning
 from ui.model.playing.screen import Action, AnswerDialogueAct, DialoguePopup, ShowNext
+from ui.model.playing.seat_view import is_own, partner_of
 from ui.model.playing.words import MATTERS, outcome_of
 
 OVERRIDE = "override"
@@ -47,6 +48,8 @@ def destination_popup(hunt: HuntMemory, item: DestinationItem) -> DialoguePopup 
 def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
     """Return the pop-up of a dialogue that waits for the participant or, after an answer, for the robot."""
     texts, argues = hunt.texts, hunt.view.has_last_word is not None
+    if not is_own(hunt.view, dialogue.robot, dialogue.matter):
+        return _followed(hunt, dialogue)
     acts = dialogue.acts if argues else ()
     answered = hunt.pending.answer(dialogue.dialogue, dialogue.turn)
     sentences = list(spoken(dialogue))
@@ -83,6 +86,21 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
     )
 
 
+def _followed(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
+    """Return the pop-up of a dialogue of a teammate, without answers."""
+    texts, partner = hunt.texts, partner_of(hunt.view, dialogue)
+    return DialoguePopup(
+        dialogue.robot,
+        dialogue_title(hunt, dialogue),
+        spoken(dialogue, own=False),
+        (),
+        keyed(ShowNext(), texts.text("popups.close")),
+        room=dialogue.room,
+        note=texts.text("seats.talks_with", seat=partner, robot=dialogue.robot) if partner else "",
+        partner=partner or hunt.view.robots[dialogue.robot].commander_name,
+    )
+
+
 def _note(hunt: HuntMemory, dialogue: DialogueView, sentences: Sequence[SpokenLine]) -> str:
     """Return a remark about the decision.
 
@@ -100,13 +118,17 @@ def _warning(hunt: HuntMemory, dialogue: DialogueView) -> str:
 
 def _last_words_popup(hunt: HuntMemory, words: LastWords) -> DialoguePopup:
     """Return the pop-up with the end of a dialogue about a robot's next room."""
-    texts, sentences = hunt.texts, spoken(words)[-LAST_SENTENCES:]
+    texts, own = hunt.texts, is_own(hunt.view, words.robot, words.matter)
+    sentences = spoken(words, own=own)[-LAST_SENTENCES:]
     outcome = "" if words.is_told else outcome_of(texts, words)
     if not sentences:
         outcome = f"{outcome} {texts.text('popups.said_before')}".lstrip()
     close = keyed(ShowNext(), texts.text("popups.close"))
     title = texts.text("popups.about_room", robot=words.robot, room=words.room)
-    return DialoguePopup(words.robot, title, sentences, (), close, room=words.room, ended=True, outcome=outcome)
+    partner = "" if own else hunt.view.robots[words.robot].commander_name
+    return DialoguePopup(
+        words.robot, title, sentences, (), close, room=words.room, ended=True, outcome=outcome, partner=partner
+    )
 
 
 def dialogue_title(hunt: HuntMemory, dialogue: DialogueView) -> str:

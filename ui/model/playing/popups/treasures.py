@@ -36,6 +36,8 @@ from ui.model.playing.screen import (
     TreasureFact,
     TreasurePopup,
 )
+from ui.model.playing.seat_view import either, may_name, sees_energy, sees_score, teammates_who_name
+from ui.model.playing.votes import vote_on_name
 from ui.model.playing.words import outcome_of, percent, verdict_words
 
 PICTURE_TIMEOUT = 5.0
@@ -60,6 +62,7 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
     later = keyed(ShowNext(), texts.text("popups.later"), hint=texts.text("popups.decide_later_hint"))
     close = keyed(ShowNext(), texts.text("popups.close"))
     enlarge = keyed(EnlargePicture(), texts.text("popups.enlarge"), hint=texts.text("popups.enlarge_hint"))
+    named_here = may_name(view)
     return TreasurePopup(
         robot=item.robot,
         room=item.room,
@@ -67,22 +70,31 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
         facts=_facts(hunt, item, room) if room.found else None,
         take_picture=_take_picture(hunt, item, room),
         picture=picture,
-        names=view.names,
-        called=tuple(map(view.word_for, view.names)),
+        names=view.names if named_here else (),
+        called=tuple(map(view.word_for, view.names)) if named_here else (),
         picked=hunt.submitted_names.get(item.room) or hunt.picked,
         name_it=_name_it(hunt, item),
         leave=_leave(hunt, item),
         verdict=_verdict(hunt, item, room),
-        points=None if room.verdict is None else room.verdict.points,
+        points=None if room.verdict is None or not sees_score(view) else room.verdict.points,
         aside=later if room.undecided else close,
         picture_note=_picture_note(hunt, room, now) if picture is None else "",
         typed="" if hunt.choice is None else hunt.choice.typed(now),
-        worth=view.worth,
-        talk=_talk(hunt, item),
+        worth=view.worth if named_here else (),
+        talk=vote_on_name(hunt, item.room) or _others(hunt, room) or _talk(hunt, item),
         unsure=_unsure(hunt, item),
         enlarge=None if picture is None else enlarge,
         longest_name_it=max((_name_it(hunt, item, name) for name in view.names), key=_length, default=None),
+        may_name=named_here,
     )
+
+
+def _others(hunt: HuntMemory, room: RoomView) -> str:
+    """Return a sentence that says which teammates may name an undecided treasure; empty if the participant may."""
+    if may_name(hunt.view) or not room.undecided:
+        return ""
+    able = list(teammates_who_name(hunt.view))
+    return hunt.texts.text("seats.who_names", seats=either(hunt.texts, able)) if able else ""
 
 
 def _length(action: Action) -> int:
@@ -96,9 +108,10 @@ def _verdict(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str | None
     """
     if room.verdict is None:
         return None
-    words = verdict_words(hunt.texts, hunt.view.word_for(room.verdict.name), room.verdict.points)
+    word = hunt.view.word_for(room.verdict.name)
+    words = verdict_words(hunt.texts, word, room.verdict.points, shows_points=sees_score(hunt.view))
     decides = hunt.view.has_last_word == "robot" and not hunt.view.robots[item.robot].has_other_commander
-    alone = decides and item.room not in hunt.named
+    alone = decides and item.room not in hunt.named and hunt.view.team is None
     return f"{hunt.texts.text('popups.named_by_itself', robot=item.robot)} {words}" if alone else words
 
 
@@ -153,6 +166,8 @@ def _sense(
 def _cost(hunt: HuntMemory, robot: int, cost: float, sensor: str = "") -> str:
     """Return the cost of sensing a property, with a warning if too little energy would remain to name the treasure."""
     texts, energy = hunt.texts, hunt.view.robots[robot].energy
+    if not sees_energy(hunt.view):
+        return ""
     hint = (
         texts.text("popups.costs_with", cost=cost, energy=energy, sensor=sensor)
         if sensor
@@ -168,7 +183,7 @@ def _tell(hunt: HuntMemory, room: RoomView, told: TreasureProperty, value: str, 
 
     The key is printed on the button of the next value.
     """
-    if not room.undecided:
+    if not room.undecided or not may_name(hunt.view):
         return ()
     seen = room.picture is not None
     hint = "" if seen else hunt.texts.text("hints.picture_first")
@@ -224,12 +239,15 @@ def _name_it(hunt: HuntMemory, item: TreasureItem, name: str | None = None) -> A
     texts, view = hunt.texts, hunt.view
     picked = name or hunt.submitted_names.get(item.room) or hunt.picked
     busy = item.room in hunt.submitted_names
-    refused = why_not_name(texts, hunt.known, item.robot, item.room)
+    refused = why_not_name(texts, hunt.known, item.robot, item.room) or vote_on_name(hunt, item.room)
     if refused is None and picked is None:
         refused = texts.text("hints.pick_first" if view.names else "hints.names_unknown")
-    cost = f"{texts.text('popups.naming_costs', cost=view.identify_cost)} {_stakes(texts, view, picked)}"
+    cost = texts.text("popups.naming_costs", cost=view.identify_cost) if sees_energy(view) else ""
+    if sees_score(view):
+        cost += f" {_stakes(texts, view, picked)}"
     if ends_game(hunt.known, TreasureIdentified(Room(item.room), item.robot, "", 0, view.identify_cost)):
         cost += f" {texts.text('popups.then_ends')}"
+    cost = cost.strip()
     label = (
         texts.text("popups.name_it") if picked is None else texts.text("popups.name_it_so", name=view.word_for(picked))
     )
@@ -240,7 +258,7 @@ def _unsure(hunt: HuntMemory, item: TreasureItem) -> Action | None:
     if hunt.view.has_last_word is None:
         return None
     texts, busy = hunt.texts, OpenDialogue(item.robot, "take-treasure", item.room, "") in hunt.pending
-    refused = why_not_name(texts, hunt.known, item.robot, item.room)
+    refused = why_not_name(texts, hunt.known, item.robot, item.room) or vote_on_name(hunt, item.room)
     possible = refused is None and not busy and item.room not in hunt.submitted_names
     hint = refused or texts.text("popups.unsure_hint")
     return keyed(AskWhatItIs(), texts.text("popups.unsure"), possible, hint, busy)

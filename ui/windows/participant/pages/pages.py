@@ -20,7 +20,7 @@ from ui.model.playing.keys import button_keys, keyed, shown_key
 from ui.model.playing.screen import Action, Confirmation, DeclineConsentAct, GameOverPage, GiveConsentAct, ShowHelp
 from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, smooth_painter, spaced
-from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ButtonFace
+from ui.windows.participant.widgets.buttons import ActionButton, ActionRow, ActionWidget, ButtonFace
 from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.painting import key_cap, key_size
 from ui.windows.participant.widgets.panels import TitledPanel, page_column, set_text
@@ -192,6 +192,7 @@ class QuestionPanel(TitledPanel):
         for button in (self.no, self.yes):
             button.requested.connect(self.requested)
             foot.addWidget(button)
+        self.others = ActionRow(texts, foot, self.requested, hints=True)
 
     def show_question(self, question: Confirmation) -> None:
         """Show this question."""
@@ -199,6 +200,7 @@ class QuestionPanel(TitledPanel):
         set_text(self._text, question.text)
         self.yes.show_action(question.yes)
         self.no.show_action(question.no)
+        self.others.show_actions(question.others)
 
 
 class EndingPanel(TitledPanel):

@@ -5,6 +5,7 @@ from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
 from ui.model.playing.screen import DialoguePopup
+from ui.model.playing.spoken import state_of
 from ui.windows import look
 from ui.windows.look import GAP, px, spaced
 from ui.windows.participant.popups.finding import PICTURE, TreasureFacts, TreasurePicture, find_size
@@ -57,9 +58,10 @@ class DialoguePanel(TitledPanel):
         self.facts.setVisible(bool(pop.facts))
         self.picture.show_picture(pop.picture, enlarge=pop.enlarge)
         self.picture.setVisible(pop.picture is not None)
-        self.transcript.show_sentences(pop.sentences, pop.robot)
-        self._state.setText(pop.note if pop.choices else self._texts.text("window.thinking", robot=pop.robot))
-        self._state.setVisible(not pop.ended and bool(pop.note or not pop.choices))
+        self.transcript.show_sentences(pop.sentences, pop.robot, pop.partner)
+        state = state_of(self._texts, pop)
+        self._state.setText(state)
+        self._state.setVisible(bool(state))
         self._outcome.setText(pop.outcome)
         self._outcome.setVisible(bool(pop.outcome))
         self._warning.setText(self._texts.text("window.warning", warning=pop.warning))

@@ -351,15 +351,22 @@ class NamingResult(QWidget):
         self.update()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw a tick and the points won, or a cross and the points lost, and the sentence."""
+        """Draw a tick and the points won, or a cross and the points lost, and the sentence.
+
+        If the points are hidden, draw only the sentence.
+        """
         palette = colours()
         painter = smooth_painter(self)
         rect = QRectF(self.rect())
-        won = (self._points or 0) > 0
-        ink = palette.good if won else palette.bad if (self._points or 0) < 0 else palette.text
+        if self._points is None:
+            centered = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+            write(painter, rect, self._text, font(bold=True), palette.text, centered)
+            return
+        won = self._points > 0
+        ink = palette.good if won else palette.bad if self._points < 0 else palette.text
         hero = font("hero", bold=True)
         high = QFontMetricsF(hero).height()
-        words = f"{self._points:+d}".replace("-", "−") if self._points is not None else ""
+        words = f"{self._points:+d}".replace("-", "−")
         wide = QFontMetricsF(hero).horizontalAdvance(words)
         top = rect.top() + max(0.0, (rect.height() - high - 60) / 2)
         left = rect.center().x() - (wide + high) / 2

@@ -139,10 +139,10 @@ class TreasurePanel(TitledPanel):
         decided = pop.verdict is not None
         names, worth, called = ((), (), ()) if decided else (pop.names, pop.worth, pop.called)
         self.names.show_names(names, pop.picked, worth, called)
-        self.names.setVisible(not decided)
+        self.names.setVisible(pop.asks_for_name)
         key = "window.what_is_it_typed" if pop.typed else "window.what_is_it"
         set_text(self._asking, self._texts.text(key, typed=pop.typed))
-        self._asking.setVisible(not decided)
+        self._asking.setVisible(pop.asks_for_name)
         self.verdict.setVisible(decided)
         self._show_stakes()
         if pop.verdict is not None:
@@ -150,7 +150,7 @@ class TreasurePanel(TitledPanel):
         for button, action in ((self.name_it, pop.name_it), (self.unsure, pop.unsure), (self.leave, pop.leave)):
             if action is not None:
                 button.show_action(action, pop.longest_name_it if button is self.name_it else None)
-            button.setVisible(action is not None and not decided)
+            button.setVisible(action is not None and pop.asks_for_name)
         if came:
             self.reveal(self.place)
         elif new:

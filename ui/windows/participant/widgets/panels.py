@@ -1,6 +1,6 @@
 """Building blocks of pop-ups, pages and sheets: a panel with a title, speech bubbles, and a dimming overlay."""
 
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QMouseEvent, QPainter, QPaintEvent, QResizeEvent
@@ -27,6 +27,10 @@ PROMINENT = 2
 
 OVERLAY_COLOUR = "#0b0f14"
 """Color of the overlay that dims the window, in the light and in the dark style."""
+
+
+SpeakerName: TypeAlias = Literal["robot", "you", "teammate"]
+"""Speaker of a sentence in a dialogue."""
 
 
 class RobotChip(QWidget):
@@ -200,16 +204,17 @@ class SpeechBubble(QWidget):
     """Speech bubble with a sentence.
 
     The bubble of a robot is on the left in the robot's color. The participant's bubble is on the right in the accent
-    color.
+    color. The bubble of a teammate is on the right, too, with a gray edge.
     """
 
-    def __init__(self, texts: Texts, speaker: Literal["robot", "you"], text: str, robot: int) -> None:
+    def __init__(self, texts: Texts, speaker: SpeakerName, text: str, robot: int, teammate: str = "") -> None:
         super().__init__()
         self._speaker = speaker
         self._text = text
         self._robot = robot
         self._older = False
-        who = texts.text("window.robot", robot=robot) if speaker == "robot" else texts.text("window.you")
+        names = {"robot": texts.text("window.robot", robot=robot), "you": texts.text("window.you")}
+        who = names.get(speaker, teammate)
         self.setAccessibleName(texts.text("window.said", who=who, words=text))
         policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         policy.setHeightForWidth(True)
@@ -244,7 +249,8 @@ class SpeechBubble(QWidget):
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(palette.track))
         painter.drawRoundedRect(bubble, 10, 10)
-        painter.setBrush(QColor(palette.robot(self._robot) if robot else palette.accent))
+        edge = palette.accent if self._speaker == "you" else palette.muted
+        painter.setBrush(QColor(palette.robot(self._robot) if robot else edge))
         at = bubble.left() if robot else bubble.right() - 4.0
         painter.drawRoundedRect(QRectF(at, 7.0, 4.0, bubble.height() - 14.0), 2, 2)
         area = bubble.adjusted(1.5 * GAP, GAP, -1.5 * GAP, -GAP)
@@ -272,7 +278,7 @@ class Transcript(QScrollArea):
         self._lines.addStretch(1)
         self.setWidget(inside)
         self.setAccessibleName(texts.text("window.what_was_said"))
-        self._sentences: tuple[tuple[Literal["robot", "you"], str], ...] = ()
+        self._sentences: tuple[tuple[SpeakerName, str], ...] = ()
         self._bubbles: list[SpeechBubble] = []
         self._robot: int | None = None
         self._room = 0
@@ -281,8 +287,11 @@ class Transcript(QScrollArea):
         self._settling = QTimer(self, singleShot=True, interval=0)
         self._settling.timeout.connect(self._to_end)
 
-    def show_sentences(self, sentences: tuple[tuple[Literal["robot", "you"], str], ...], robot: int) -> None:
-        """Show these sentences; reuse the bubbles of sentences that are already shown."""
+    def show_sentences(self, sentences: tuple[tuple[SpeakerName, str], ...], robot: int, teammate: str = "") -> None:
+        """Show these sentences; reuse the bubbles of sentences that are already shown.
+
+        `teammate` is the label of a teammate who talks with the robot.
+        """
         if (sentences, robot) == (self._sentences, self._robot):
             return
         shown = len(self._sentences)
@@ -294,7 +303,7 @@ class Transcript(QScrollArea):
             gone.hide()
             gone.deleteLater()
         for speaker, text in sentences[keep:]:
-            self._bubbles.append(SpeechBubble(self._texts, speaker, text, robot))
+            self._bubbles.append(SpeechBubble(self._texts, speaker, text, robot, teammate))
             self._lines.insertWidget(self._lines.count() - 1, self._bubbles[-1])
         for at, bubble in enumerate(reversed(self._bubbles)):
             bubble.show_older(at >= PROMINENT)

@@ -101,7 +101,7 @@ class TeamModel(TableModel):
         return icon
 
 
-class TeamView(QWidget):
+class TeamTable(QWidget):
     """List of robots. A click or the arrow keys select a robot.
 
     Signals:

@@ -36,11 +36,13 @@ from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import REJOIN_PERIOD, RENEWAL_PERIOD, TabUI
 from thbridge.roles.shared.notices import KEEPER, FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, Subscribe
+from thbridge.roles.shared.team_notices import MarkRead, SayToPeople, Vote
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     Debrief,
     EndGame,
     GiveConsent,
+    HandOver,
     IdentifyTreasure,
     LeaveTreasure,
     MeasureProperty,
@@ -218,6 +220,10 @@ EVERY_WISH = [
     PlayAgain(1),
     MeasureProperty(3, "weight"),
     TellProperty(3, "material", "wood"),
+    HandOver(0, "driver"),
+    SayToPeople("Hello"),
+    MarkRead(1),
+    Vote(1, agrees=True),
 ]
 
 
@@ -332,7 +338,7 @@ def test_simulated_participants_agree(strategy):
 
 def test_programs_of_2016_cannot_be_asked_and_are_not():
     played = Played(Briefing(consent=CONSENT))
-    played.hunt.keeper._participants._members.clear()
+    played.hunt.keeper._seats[""].participants._members.clear()
     played.say(SendRobot(0, 3), ticks=20)
     assert played.hunt.session.game.room(Room(3)).visited
 

@@ -3,12 +3,12 @@ from PySide6.QtGui import QFontMetrics
 from pytestqt.qtbot import QtBot
 
 from ui.windows.look import font
-from ui.windows.researcher.docks.team import TITLES, RobotRow, TeamView
+from ui.windows.researcher.docks.team import TITLES, RobotRow, TeamTable
 
 
 @pytest.mark.parametrize("characters", [18, 26, 34, 44])
 def test_names_have_their_room_and_the_figures_what_is_left(qtbot: QtBot, characters: int) -> None:
-    view = TeamView()
+    view = TeamTable()
     qtbot.addWidget(view)
     view.show_rows([RobotRow("robot 1", "drives", 0.003, 0.042, 100.0, 0.5, False)], 0)
     letter = QFontMetrics(font()).averageCharWidth()

@@ -1,0 +1,79 @@
+"""Sessions of `thbridge.api` with several seats: the caller plays one, some or all of them."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.support.programs.commands import thbridge
+from thbridge import api
+
+SEATS = [
+    {"name": "driver", "label": "the driver", "robots": [1, 2], "names_treasures": False},
+    {"name": "namer", "label": "the namer", "takes_over": True},
+]
+STUDY = api.HuntStudy(
+    robots=2, seed=3, game={"energy": 30}, dialogue={"condition": "supervisor"}, seats=SEATS,
+    team={"agreement": {"send": "all", "end": "one"}},
+)  # fmt: skip
+
+
+def until(session: api.HuntSession, condition: Callable[[], bool]) -> None:
+    """Run until a condition is true."""
+    for _ in range(500):
+        if condition():
+            return
+        session.step()
+    pytest.fail(str(session.events[-5:]))
+
+
+def test_the_caller_plays_all_seats_which_vote_talk_and_hand_over(tmp_path: Path) -> None:
+    bag = tmp_path / "hunt.bag"
+    with api.HuntSession(STUDY, record=bag) as session:
+        driver, namer = session.seat("driver"), session.seat("namer")
+        until(session, lambda: bool(namer.view and namer.view.ready and session.ready))
+        assert (session.participant.seat, namer.view.commanded.tolist()) == ("driver", [False, False])
+        driver.say("To room 3?", to="namer")
+        driver.select(1, 3)
+        until(session, lambda: bool(driver.view.agreements))
+        driver.send(1, 3)
+        until(session, lambda: bool(namer.view.votes))
+        (vote,) = namer.view.votes
+        assert (vote.kind, vote.robot, vote.room, vote.needs, vote.agree) == ("send", 1, 3, 2, ("driver",))
+        namer.vote(vote.decision, agrees=True, reason="near")
+        until(session, lambda: driver.view.bound_for.tolist() == [3, 0])
+        namer.ask_for(2)
+        until(session, lambda: driver.view.asked_for == {2: "namer"})
+        driver.hand_over(2, "namer")
+        until(session, lambda: namer.view.commanded.tolist() == [False, True])
+        namer.select(1, 4)
+        until(session, lambda: namer.view.refusal is not None)
+        assert namer.view.refusal == "Robot 1 is commanded by the driver just now."
+        assert driver.view.refusal is None
+    happened = [(event.kind, event.data.get("seat")) for event in session.events]
+    for each in (("personsaid", "driver"), ("voted", "namer"), ("departed", "driver"), ("askedback", "namer")):
+        assert each in happened
+    replayed = thbridge(tmp_path, "replay", "hunt.bag", "--json")
+    assert replayed.exit_code == 0, replayed.output
+
+
+def test_simulated_participants_play_the_other_seats() -> None:
+    with api.HuntSession(STUDY, seats=["namer"]) as session:
+        assert session.participant.seat == "namer"
+        until(session, lambda: bool(session.view is not None and session.view.votes))
+        (vote, *_) = session.view.votes
+        assert vote.seat == "driver"
+        with pytest.raises(api.HuntError, match="a simulated participant plays driver"):
+            session.seat("driver").send(1, 3)
+
+
+@pytest.mark.parametrize(
+    ("study", "seats", "said"),
+    [
+        (STUDY, ["pilot"], "the study has no seat 'pilot'. Write one of these: driver, namer"),
+        (api.HuntStudy(), ["driver"], "the study has no seat 'driver'. Omit the argument"),
+    ],
+)
+def test_unknown_seats_are_refused(study: api.HuntStudy, seats: list[str], said: str) -> None:
+    with pytest.raises(api.HuntError, match=said):
+        api.HuntSession(study, seats=seats)

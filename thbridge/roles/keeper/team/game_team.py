@@ -1,0 +1,71 @@
+"""Texts and votes of the participants of one game."""
+
+import math
+from collections.abc import Collection
+from dataclasses import dataclass, field
+
+from thbridge.hunt.events import (
+    DecisionKind,
+    DecisionProposed,
+    DecisionSettled,
+    PersonRead,
+    PersonSaid,
+    SeatLeft,
+    SeatTaken,
+    TeamEntry,
+    VoteCast,
+)
+from thbridge.roles.keeper.team.decisions import AgreementRule, TeamDecisions, VotingRules
+from thbridge.roles.keeper.team.people_talk import PeopleTalk, TalkRules
+
+_NO_VOTES = VotingRules(dict.fromkeys(DecisionKind, AgreementRule.ONE), math.inf)
+_NO_TALK = TalkRules(math.inf, math.inf)
+
+
+@dataclass(frozen=True, slots=True)
+class TeamRules:
+    """Rules for the participants of a game: when they may send texts, and which decisions need votes."""
+
+    talk: TalkRules = _NO_TALK
+    voting: VotingRules = field(default_factory=lambda: _NO_VOTES)
+
+
+class GameTeam:
+    """The participants of one game.
+
+    Args:
+        rules: the rules for them.
+
+    Attributes:
+        present: seats whose participants are connected, as the journal has them.
+        talk: their texts.
+        decisions: their votes.
+    """
+
+    def __init__(self, rules: TeamRules) -> None:
+        self.present: frozenset[str] = frozenset()
+        self.talk = PeopleTalk(rules.talk)
+        self.decisions = TeamDecisions(rules.voting)
+
+    def changes(self, present: Collection[str], now: float) -> tuple[SeatTaken | SeatLeft, ...]:
+        """Return the events of participants who have joined or left.
+
+        Args:
+            present: seats whose participants are connected now.
+            now: simulated time, s.
+        """
+        joined = (SeatTaken(seat, now) for seat in present if seat not in self.present)
+        left = (SeatLeft(seat, now) for seat in sorted(self.present) if seat not in present)
+        return (*joined, *left)
+
+    def note(self, entry: TeamEntry) -> None:
+        """Process an entry of the journal."""
+        match entry:
+            case SeatTaken(seat):
+                self.present |= {seat}
+            case SeatLeft(seat):
+                self.present -= {seat}
+            case PersonSaid() | PersonRead():
+                self.talk.note(entry)
+            case DecisionProposed() | VoteCast() | DecisionSettled():
+                self.decisions.note(entry)
