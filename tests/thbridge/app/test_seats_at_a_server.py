@@ -116,10 +116,13 @@ class Observer:
 
     def __init__(self) -> None:
         self.kinds: set[type] = set()
+        self.sees_poses = False
 
     def observe(self, level: ParticipantUpdate) -> None:
         """Store the kind of a message."""
         self.kinds.add(type(level))
+        if isinstance(level, PoseTelemetry):
+            self.sees_poses |= bool(level.poses or level.motions)
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +150,9 @@ def test_each_program_does_and_sees_what_its_seat_may(setting: StudySetting) -> 
     by = {type(event): event.seat for event in lab.events if isinstance(event, RobotDeparted | TreasureIdentified)}
     assert by == {RobotDeparted: "driver", TreasureIdentified: "namer"}
     assert driver.kinds >= {PoseTelemetry, PlannedPaths, FloorPlan}
-    assert namer.kinds.isdisjoint({PoseTelemetry, PlannedPaths, FloorPlan})
+    # Without the map, telemetry contains only the simulated time.
+    assert driver.sees_poses and not namer.sees_poses
+    assert namer.kinds.isdisjoint({PlannedPaths, FloorPlan}) and PoseTelemetry in namer.kinds
 
 
 def test_a_participant_of_2016_is_refused_with_the_reason(setting: StudySetting, caplog) -> None:

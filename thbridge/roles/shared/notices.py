@@ -210,7 +210,7 @@ class PoseTelemetry(NoticeValue, frozen=True, tag="Whereabouts"):
 
     Attributes:
         tick: tick of the simulation. There are 50 ticks per second.
-        poses: estimated x, y, theta of every robot, map frame.
+        poses: estimated x, y, theta of every robot, map frame. Empty for participants who do not see the map.
         motions: one entry per robot.
         ellipses: one entry per robot, if the study shows the uncertainty of poses.
         truth: true x, y, theta of every robot, if the study shows true poses.

@@ -23,6 +23,8 @@ from thbridge.text_protocol.wire.notice_format import NoticeValue, encode_notice
 
 POSE_PERIOD = TICKS_PER_SECOND // 25
 """Number of ticks between two messages with poses."""
+CLOCK_PERIOD = TICKS_PER_SECOND // 2
+"""Number of ticks between two messages with the simulated time, for participants who do not see the map."""
 PATH_PERIOD = TICKS_PER_SECOND // 10
 """Number of ticks between two messages with planned paths, if the paths change."""
 SUBSCRIPTION_TICKS = 60 * TICKS_PER_SECOND
@@ -70,12 +72,16 @@ class TelemetryPublisher:
         self._sender = sender
         self._options = options
         self._until: dict[str, int] = {}
+        self._clocks_until: dict[str, int] = {}
         self._newcomers: dict[str, None] = {}
         self._plans: tuple[_Plan, ...] = ()
         self._paths: tuple[Line, ...] = ()
 
-    def subscribe(self, name: str, tick: int) -> None:
-        """Start or renew a subscription."""
+    def subscribe(self, name: str, tick: int, *, with_poses: bool = True) -> None:
+        """Start or renew a subscription. Without poses, the subscriber receives only the simulated time."""
+        if not with_poses:
+            self._clocks_until[name] = tick + SUBSCRIPTION_TICKS
+            return
         self._until[name] = tick + SUBSCRIPTION_TICKS
         if self._options.path:
             self._newcomers[name] = None
@@ -96,7 +102,10 @@ class TelemetryPublisher:
             progress: driven share of the path of each robot with a move of the game, by robot.
         """
         self._until = {name: until for name, until in self._until.items() if until > tick}
+        self._clocks_until = {name: until for name, until in self._clocks_until.items() if until > tick}
         messages: list[TextMessage] = []
+        if tick % CLOCK_PERIOD == 0:
+            messages += self._addressed(PoseTelemetry(snapshot.tick, ()), self._clocks_until)
         if not self._until:
             return messages
         if tick % POSE_PERIOD == 0:

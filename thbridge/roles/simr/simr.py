@@ -190,8 +190,8 @@ class SimR(RobotsRole):
                     self._follow(notice)
             case Subscribe():
                 seat = seat_of(sender, self._seats)
-                if seat is not None and seat.sees_map:
-                    self._telemetry.subscribe(sender, tick)
+                if seat is not None:
+                    self._telemetry.subscribe(sender, tick, with_poses=seat.sees_map)
             case TeamRejection(sentence):
                 self.rejection = sentence
             case RecordingPermission() | None:

@@ -90,6 +90,8 @@ export class PeoplePanel {
     this.form.hidden = !page.writes || !!page.closed;
     this.to.hidden = !page.addressees.length;
     set(this.to.firstChild, { text: page.label });
+    // The words next to it are hidden on narrow pages.
+    set(this.chooser, { "aria-label": page.label });
     list(this.chooser, page.addressees, (each) => each.name, () => element("option", {}), (made, each) => set(made, { text: each.name }));
     const chosen = page.addressees.findIndex((each) => each.chosen);
     if (chosen >= 0 && this.chooser.selectedIndex !== chosen) this.chooser.selectedIndex = chosen;
