@@ -32,6 +32,7 @@ def test_three_programs_play_one_game(tmp_path: Path) -> None:
                 tmp_path, "tabui", "study.yaml", *at, "--participant", "nearest", "--seat", seat, "--json"
             )
             running.append(seats[seat])
+        until("the driver to be connected", lambda: "TabUI-driver is connected" in seats["driver"].text, running)
         wrong = [
             Program(tmp_path, "tabui", *at, "--participant", "nearest", "--seat", seat) for seat in ("pilot", "driver")
         ]
