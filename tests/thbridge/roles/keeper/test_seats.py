@@ -30,9 +30,11 @@ from thbridge.roles.shared.team_notices import LONGEST_TEXT, MarkRead, SayToPeop
 from thbridge.roles.shared.view import (
     EndGame,
     HandOver,
+    IdentifyTreasure,
     LeaveTreasure,
     RequestHandback,
     SelectRoom,
+    SendRobot,
     SenseTreasure,
     StopRobot,
     TakePicture,
@@ -53,6 +55,15 @@ def voting(rule: AgreementRule, timeout: float = 60.0) -> TeamRules:
 
 
 class TestRights:
+    @pytest.mark.parametrize(
+        "request_", [SenseTreasure(-1), TakePicture(-1), SendRobot(0, -1), IdentifyTreasure(-1, "moon")]
+    )
+    def test_a_room_that_no_map_has_is_refused(self, request_):
+        hunt = SeatedHunt((DRIVER, NAMER))
+        before = hunt.game
+        hunt.ask("namer", request_)
+        assert hunt.game == before
+
     @pytest.mark.parametrize(
         ("seat", "request_", "sentence"),
         [

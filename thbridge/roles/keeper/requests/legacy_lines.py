@@ -17,7 +17,7 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.seats import Seat
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.shared.participant_lines import LineRequest, decode_request_line
-from thbridge.roles.shared.participant_rules import KeeperReason
+from thbridge.roles.shared.participant_rules import KeeperReason, place
 from thbridge.roles.shared.seat_rights import why_not_allowed
 from thbridge.roles.shared.view import DialogueMatter, IdentifyTreasure, SendRobot, SenseTreasure, TakePicture
 from thbridge.text_protocol.wire import canonical, legacy
@@ -93,14 +93,14 @@ class LegacyLines:
         """Handle a request of the participant. Return Hider's answer."""
         match request:
             case SendRobot(robot, room):
-                self._send(state, robot, Room(room), needs_consent)
+                self._send(state, robot, place(room), needs_consent)
                 return None
             case SenseTreasure(room):
-                return self._sense(state, Room(room))
+                return self._sense(state, place(room))
             case TakePicture(room):
-                return self._picture(state, Room(room), needs_consent)
+                return self._picture(state, place(room), needs_consent)
             case IdentifyTreasure(room, name):
-                return self._identify(state, Room(room), name, needs_consent)
+                return self._identify(state, place(room), name, needs_consent)
 
     def _report(self, state: GameState, line: Forwarded) -> None:
         """Process a report of SimR or of a Hider of 2016."""
@@ -122,9 +122,9 @@ class LegacyLines:
         """Return the events of a request of our own program, or its refusal, without any effect."""
         match request:
             case SendRobot(robot, room):
-                return self._move(state, robot, Room(room), needs_consent=True)
+                return self._move(state, robot, place(room), needs_consent=True)
             case IdentifyTreasure(room, name):
-                at = Room(room)
+                at = place(room)
                 return self._agreed(rules.identify(state, at, name), state, at, "take-treasure", name)
 
     def _send(self, state: GameState, robot: int, room: Room, needs_consent: bool) -> None:
