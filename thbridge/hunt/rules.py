@@ -117,7 +117,7 @@ def hand_over(state: GameState, robot: int, seat: str) -> Ruling:
     to = state.seat(seat)
     if to is None:
         return RequestRefused(RuleReason.UNKNOWN_SEAT, "There is no such seat in this game.")
-    if not to.takes_over:
+    if not to.can_take_over:
         return RequestRefused(RuleReason.NOT_ALLOWED, f"{capitalized(to.label)} cannot take over robots.")
     return commanded_by_other(state, robot, Commander.PARTICIPANT) or command(state, robot, CommandHolder(name=seat))
 

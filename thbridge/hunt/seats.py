@@ -40,7 +40,7 @@ class Seat(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         name: name of the seat; see `SEAT_NAME`.
         label: words for the seat in sentences, such as "the driver".
         robots: indices of the robots that the seat commands at the start.
-        takes_over: True if it may take over robots that other seats hand over.
+        takes_over: True if it may take over robots that other seats hand over; see `can_take_over`.
         names_treasures: True if it may name treasures, leave them, and report their visible properties.
         stops: robots that it may stop.
         talks: True if it may have dialogues with robots.
@@ -63,6 +63,11 @@ class Seat(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     sees_energy: bool = True
     sees_map: bool = True
     sees_score: bool = True
+
+    @property
+    def can_take_over(self) -> bool:
+        """True if it may take over robots. A robot drives only after a dialogue, so the seat must be able to talk."""
+        return self.takes_over and self.talks
 
 
 ONE_SEAT = Seat("", "the participant", stops=StopRight.ALL)

@@ -8,7 +8,6 @@ from typing import TypeVar
 
 from sim.common.robot_numbers import index_of, robot_numbers
 from sim.parameters import param
-from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.files.errors import BadFile
 from thbridge.files.plugins import PARTICIPANTS
@@ -32,7 +31,7 @@ class SeatEntry:
     name: str = field(metadata={"help": "name of the seat in recordings: small letters, digits and hyphens"})
     label: str = param("", "words for the seat in sentences, such as `the driver`; if empty, `the` and its name")
     robots: tuple[int, ...] = param((), "numbers of the robots that the seat commands at the start")
-    takes_over: bool = param(True, "the seat may take over robots that other seats hand over")
+    takes_over: bool = param(True, "the seat may take over robots that other seats hand over, if it talks with robots")
     names_treasures: bool = param(
         True, "the seat may name treasures, leave them, and report properties that only people recognize"
     )
@@ -128,16 +127,13 @@ def seats_of(entries: Sequence[SeatEntry]) -> tuple[Seat, ...]:
     return tuple(entry.seat() for entry in entries)
 
 
-def faults_of_seats(
-    loaded: Loaded[S], entries: Sequence[SeatEntry], robots: int, condition: DialogueCondition
-) -> Iterator[BadFile]:
+def faults_of_seats(loaded: Loaded[S], entries: Sequence[SeatEntry], robots: int) -> Iterator[BadFile]:
     """Yield faults of seats: seats that can do nothing, robots without a commander, and contradictions.
 
     Args:
         loaded: the study.
         entries: the seats.
         robots: number of robots in the team.
-        condition: condition of dialogues with robots.
     """
     if entries and not 2 <= len(entries) <= MOST_SEATS:
         remedy = f"Write 2 to {MOST_SEATS} seats; for a game with one participant, delete the key"
@@ -161,10 +157,15 @@ def faults_of_seats(
             elif numbers[robot] > 1:
                 problem = f"two seats command robot {robot}"
                 yield loaded.fault(f"{key}.robots", problem, "Write each robot for only one seat")
-        if entry.robots and not entry.talks and condition is not DialogueCondition.SUPERVISOR:
+        if entry.robots and not entry.talks:
             problem = f"{entry.name} commands robots but does not talk with them, so they never agree to a move"
-            yield loaded.fault(f"{key}.talks", problem, "Write true, or `dialogue.condition: supervisor`")
-        if not (entry.robots or entry.takes_over or entry.names_treasures or entry.stops is not StopRight.OWN):
+            yield loaded.fault(f"{key}.talks", problem, "Write true")
+        if not (
+            entry.robots
+            or (entry.takes_over and entry.talks)
+            or entry.names_treasures
+            or entry.stops is not StopRight.OWN
+        ):
             problem = f"{entry.name} can do nothing: it commands no robot, takes over none, and names no treasure"
             yield loaded.fault(key, problem, "Write `robots`, `takes_over: true` or `names_treasures: true`")
     if entries:

@@ -86,5 +86,5 @@ def asked_for_news(texts: Texts, before: View, view: View) -> Iterator[str]:
 
 def why_not_ask_for(texts: Texts, view: View, robot: RobotView) -> str:
     """Return the reason why the seat cannot take over a robot of a teammate; empty if it can."""
-    takes = view.team is None or view.team.own.takes_over
+    takes = view.team is None or view.team.own.can_take_over
     return "" if takes or robot.commander is not Commander.TEAMMATE else texts.text("seats.not_yours")

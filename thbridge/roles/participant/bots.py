@@ -223,12 +223,12 @@ class Bot:
                 if self._considered[each.decision] > MOST_THOUGHTS * noise.uniform(self._thoughts, each.decision, 0):
                     requests.append(Vote(each.decision, agrees=self._agrees(view, each, is_busy=is_busy)))
         own = [robot.robot for robot in view.robots if not robot.has_other_commander]
-        able = {mate.seat.name for mate in team.teammates if mate.seat.takes_over}
+        able = {mate.seat.name for mate in team.teammates if mate.seat.can_take_over}
         for robot, seat in team.asked_for:
             if seat in able and len(own) > 1 and robot in own:
                 own.remove(robot)
                 requests.append(HandOver(robot, seat))
-        if not own and team.own.takes_over:
+        if not own and team.own.can_take_over:
             requests += _asked_robot(view, team)
         return requests
 

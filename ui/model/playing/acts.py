@@ -415,7 +415,7 @@ def _ask_back(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: floa
     asked = hunt.view.robots[robot]
     if not asked.has_other_commander:
         note(memory, hunt.texts.text("hints.you_command", robot=robot), now)
-    elif asked.commander is Commander.TEAMMATE and hunt.known.seat is not None and not hunt.known.seat.takes_over:
+    elif asked.commander is Commander.TEAMMATE and hunt.known.seat is not None and not hunt.known.seat.can_take_over:
         note(memory, hunt.texts.text("seats.not_yours"), now)
     elif asked.asked_back:
         note(memory, hunt.texts.text("hints.asked_already", robot=robot), now)

@@ -152,7 +152,7 @@ def _ask_back(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | No
     if not robot.has_other_commander or hunt.view.over is not None:
         return None
     seat, is_mates = hunt.known.seat, robot.commander is Commander.TEAMMATE
-    if is_mates and seat is not None and not seat.takes_over:
+    if is_mates and seat is not None and not seat.can_take_over:
         return None
     busy = RequestHandback(robot.robot) in hunt.pending
     asked = robot.asked_back or busy

@@ -202,7 +202,7 @@ def may_words(texts: Texts, seat: Seat) -> str:
     rights = {
         "name": seat.names_treasures,
         "stop": seat.stops is StopRight.ALL,
-        "take_over": seat.takes_over,
+        "take_over": seat.can_take_over,
         "end": seat.ends_game,
     }
     listed = [texts.text(f"people.may_{right}") for right, has in rights.items() if has]

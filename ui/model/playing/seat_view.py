@@ -58,7 +58,7 @@ def label_at_begin(label: str) -> str:
 
 def takers(view: View) -> tuple[Seat, ...]:
     """Return the teammates to whom the participant can hand over a robot."""
-    return tuple(seat for seat in _seats(view)[1:] if seat.takes_over)
+    return tuple(seat for seat in _seats(view)[1:] if seat.can_take_over)
 
 
 def asker_of(view: View, robot: int) -> str:

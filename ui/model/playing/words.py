@@ -42,7 +42,7 @@ def how_it_comes_back(texts: Texts, commander: Commander, seat: Seat | None = No
         seat: seat of the participant; None in a game with one participant.
     """
     if commander is Commander.TEAMMATE:
-        return texts.text("seats.ask_for_it" if seat is None or seat.takes_over else "seats.not_yours")
+        return texts.text("seats.ask_for_it" if seat is None or seat.can_take_over else "seats.not_yours")
     is_researcher = commander is Commander.RESEARCHER
     return texts.text("hints.back_from_researcher" if is_researcher else "hints.back_from_station")
 

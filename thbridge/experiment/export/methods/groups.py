@@ -45,7 +45,7 @@ def _seat(seat: SeatEntry) -> tuple[str, str, str]:
         for has, words in (
             (seat.names_treasures, "names treasures"),
             (seat.talks, "talks with robots"),
-            (seat.takes_over, "takes over robots"),
+            (seat.takes_over and seat.talks, "takes over robots"),
             (seat.ends_game, "may end the game"),
         )
         if has
