@@ -96,7 +96,7 @@ def test_collect_writes_the_same_table_in_both_formats(played: Path, folder: Pat
         assert invoke("sweep", "collect", played, "--to", name).exit_code == 0
     flat, full = csv.read_csv(folder / "games.csv"), parquet.read_table(folder / "games.parquet")
     assert flat.num_rows == full.num_rows == 12
-    assert set(full.column_names) - set(flat.column_names) == {"each_robot", "each_seat"}
+    assert set(full.column_names) - set(flat.column_names) == {"each_robot"}
     for name in ("condition", "seed", "noise.odometry.alpha1", "robots", "score", "error_95"):
         assert flat[name].to_pylist() == full[name].to_pylist(), name
     assert invoke("sweep", "collect", played, "--to", "-").stdout == (folder / "games.csv").read_text()
