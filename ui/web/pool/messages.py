@@ -58,6 +58,18 @@ class PersonLeft(msgspec.Struct, frozen=True, tag="leave"):
     everybody: bool = False
 
 
+class SeatFilled(msgspec.Struct, frozen=True, tag="filled"):
+    """Gateway: a program takes this seat, because its person has left the game or is away for too long."""
+
+    seat: str
+
+
+class SeatResumed(msgspec.Struct, frozen=True, tag="resumed"):
+    """Gateway: the person of this seat has come back, so the program leaves the seat to them."""
+
+    seat: str
+
+
 class ResultKept(msgspec.Struct, frozen=True, tag="kept"):
     """Gateway: the result is kept; a worker on another machine waits for this message."""
 
@@ -145,7 +157,17 @@ class WorkerResult(msgspec.Struct, frozen=True, tag="ended"):
     declined: bool = False
 
 
-ToWorker: TypeAlias = GatewayHello | BrowserJoined | BrowserLeft | FromBrowser | PersonLeft | WatchWanted | ResultKept
+ToWorker: TypeAlias = (
+    GatewayHello
+    | BrowserJoined
+    | BrowserLeft
+    | FromBrowser
+    | PersonLeft
+    | WatchWanted
+    | SeatFilled
+    | SeatResumed
+    | ResultKept
+)
 FromWorker: TypeAlias = (
     ToBrowser
     | GameReady
