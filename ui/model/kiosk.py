@@ -10,6 +10,7 @@ from typing import Literal, TypeAlias
 
 import msgspec
 
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.roles.shared.notices import GameTexts
 from ui.model.shared.window_protocol import WindowProtocol
 
@@ -176,6 +177,7 @@ class GameToJoin(msgspec.Struct, frozen=True, tag=True):
         agreed_at: date and time at which the person gave consent; empty if the study did not ask for consent.
         progress: position in the person's run.
         to_do: tasks at the beginning of the game, as in `GameNews`.
+        seat: name of the person's seat; empty in a game with one participant.
     """
 
     page: int
@@ -186,6 +188,7 @@ class GameToJoin(msgspec.Struct, frozen=True, tag=True):
     agreed_at: str = ""
     progress: StudyProgress = StudyProgress()
     to_do: tuple[str, ...] = ()
+    seat: str = ""
 
 
 class GameNews(msgspec.Struct, frozen=True, tag=True):
@@ -364,9 +367,11 @@ def _kept(before: Sequence[ToKiosk], message: ToKiosk) -> Sequence[ToKiosk]:
     """Return the messages that a reopened window needs.
 
     These are the texts, the last page with the logged answers of its form, the last news of a game, the instructions,
-    and the last message of the researcher.
+    and the last message of the researcher, until another person begins.
     """
     match message:
+        case TextToRead(anew=True):
+            return [*(one for one in before if isinstance(one, StudyTexts | InstructionsSoFar)), message]
         case GameNews() | InstructionsSoFar() | ResearcherMessage():
             return [*(one for one in before if type(one) is not type(message)), message]
         case AnswerKept():
@@ -374,6 +379,12 @@ def _kept(before: Sequence[ToKiosk], message: ToKiosk) -> Sequence[ToKiosk]:
         case _:
             lasting = StudyTexts | InstructionsSoFar | ResearcherMessage
             return [*(one for one in before if isinstance(one, lasting)), message]
+
+
+def waited_words(texts: Texts, turn: TurnToAwait) -> str:
+    """Return the sentences about the time that a person has waited, and about the people who come first."""
+    waited = texts.text("web.waited", time=f"{turn.waited // 60}:{turn.waited % 60:02}")
+    return f"{waited} {texts.text('web.before_you', count=turn.before)}" if turn.before else waited
 
 
 KIOSK = WindowProtocol(msgspec.json.Decoder(ToKiosk), msgspec.json.Decoder(FromKiosk), KioskClosed(), _kept)

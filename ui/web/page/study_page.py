@@ -29,6 +29,7 @@ from ui.model.kiosk import (
     TextToRead,
     ToKiosk,
     TurnToAwait,
+    waited_words,
 )
 from ui.web.page.patches import Json, tree
 
@@ -97,17 +98,13 @@ class StudyPageMaker:
                     "text": sentence,
                     **self._progress(message.progress),
                 }
-            case TurnToAwait(page=number, heading=heading, text=text, waited=waited, before=before):
-                clock = f"{waited // 60}:{waited % 60:02}"
-                sentences = [texts.text("web.waited", time=clock)]
-                if before:
-                    sentences.append(texts.text("web.before_you", count=before))
+            case TurnToAwait(page=number, heading=heading, text=text):
                 return {
                     "t": "turn",
                     "page": number,
                     "heading": heading,
                     "html": self._html(text, markdown=False),
-                    "waited": " ".join(sentences),
+                    "waited": waited_words(texts, message),
                     "button": texts.text("web.stop_waiting"),
                     **self._progress(message.progress),
                 }

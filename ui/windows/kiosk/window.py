@@ -30,6 +30,7 @@ from ui.model.kiosk import (
     InstructionsNews,
     InstructionsSoFar,
     KioskClosed,
+    MessageClosed,
     ResearcherMessage,
     StoppedTakingPart,
     StudyProgress,
@@ -46,6 +47,7 @@ from ui.windows.application import application
 from ui.windows.host_pipe import HostPipe
 from ui.windows.kiosk.pages.form import FormPage
 from ui.windows.kiosk.pages.text import READING, ReadingPage
+from ui.windows.kiosk.pages.turn import TurnPage
 from ui.windows.kiosk.successor import Successor
 from ui.windows.link import ParticipantLink
 from ui.windows.look import GAP, spaced
@@ -195,6 +197,33 @@ class LeavingPanel(TitledPanel):
         self.stop.setVisible(takes_part and can_stop)
 
 
+class MessagePanel(TitledPanel):
+    """Message of the researcher.
+
+    Args:
+        texts: texts of the study.
+
+    Attributes:
+        text: label with the message.
+        close_button: button that closes the message.
+    """
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__(texts, texts.text("web.message"))
+        self.entitle(texts.text("web.message"))
+        self.text = look.label()
+        self.rows.addWidget(self.text, 1)
+        self.close_button = ActionButton(texts, "main")
+        label = texts.text("web.message_close")
+        self.close_button.show_face(ButtonFace(label, "Esc"), label)
+        self.rows.addWidget(self.close_button)
+
+    def show_message(self, text: str) -> None:
+        """Show the text of a message."""
+        set_text(self.text, text)
+        self.close_button.setAccessibleDescription(text)
+
+
 class KioskWindow(QMainWindow):
     """Kiosk window on one computer of the laboratory.
 
@@ -235,11 +264,14 @@ class KioskWindow(QMainWindow):
         rows.addWidget(self.pages, 1)
         self.setCentralWidget(inside)
         self.overlay, self.leaving_panel = ModalOverlay(inside), LeavingPanel(texts)
-        self.instructions = HelpSheet(texts)
+        self.instructions, self.message_panel = HelpSheet(texts), MessagePanel(texts)
         self._build_leaving()
         # Before these panels are shown, they have no parent, so Qt would not delete them together with the window.
         self.destroyed.connect(self.leaving_panel.deleteLater)
         self.destroyed.connect(self.instructions.deleteLater)
+        self.destroyed.connect(self.message_panel.deleteLater)
+        self.message_panel.close_button.clicked.connect(self._close_message)
+        QShortcut(QKeySequence("Esc"), self.message_panel).activated.connect(self._close_message)
         self.instructions.requested.connect(self._stay)
         QShortcut(QKeySequence("Esc"), self.instructions).activated.connect(self._stay)
         self.progress.again.clicked.connect(self._read_again)
@@ -270,6 +302,8 @@ class KioskWindow(QMainWindow):
             case TextToRead(page=page, anew=anew):
                 if anew:
                     self._preferences.forget()
+                    if self.message_panel.isVisible():
+                        self._stay()
                 self._show_text(page, message)
             case ConsentToAsk(page=page):
                 self._show(page, self._consent(message), message.progress)
@@ -280,6 +314,8 @@ class KioskWindow(QMainWindow):
                 form.went_back.connect(partial(self._leave_page, WentBack(page)))
                 self._show(page, form, message.progress)
                 form.start()
+            case TurnToAwait(page=page):
+                self._show_turn(page, message)
             case GamePrepared(page=page, sentence=sentence):
                 waiting = ConnectingPage(self._texts)
                 waiting.show_waiting(sentence)
@@ -303,8 +339,12 @@ class KioskWindow(QMainWindow):
                 self._offer_instructions()
                 if not texts and self.instructions.isVisible():
                     self._stay()
-            case AnswerKept() | GameNews() | StudyTexts() | TurnToAwait() | ResearcherMessage():
-                pass  # At the kiosk, no one waits for a turn, and the researcher is near.
+            case ResearcherMessage(text=text):
+                self.message_panel.show_message(text)
+                self._cover(self.message_panel)
+                self.message_panel.close_button.setFocus(Qt.FocusReason.OtherFocusReason)
+            case AnswerKept() | GameNews() | StudyTexts():
+                pass
 
     def leave(self) -> None:
         """Show the person that the program of the study has stopped.
@@ -331,6 +371,15 @@ class KioskWindow(QMainWindow):
         self._show(page, shown, text.progress)
         shown.start()
 
+    def _show_turn(self, page: int, turn: TurnToAwait) -> None:
+        shown = self.pages.currentWidget()
+        if isinstance(shown, TurnPage) and page == self._page:
+            shown.show_turn(turn)
+            return
+        waiting = TurnPage(turn, self._texts, self._clock)
+        waiting.stopped.connect(partial(self._go_on, page))
+        self._show(page, waiting, turn.progress)
+
     def _consent(self, asked: ConsentToAsk) -> ConsentPage:
         page, came = asked.page, self._clock()
 
@@ -344,7 +393,7 @@ class KioskWindow(QMainWindow):
 
     def _join(self, game: GameToJoin) -> None:
         consent = GiveConsent(game.agreed_at) if game.agreed_at else None
-        self.show_game(game, ParticipantLink(game.host, game.port, game.token, consent))
+        self.show_game(game, ParticipantLink(game.host, game.port, game.token, consent, seat=game.seat))
 
     def show_game(self, game: GameToJoin, link: ParticipantLink) -> None:
         """Show the page of a game, which is connected to the game's server."""
@@ -426,6 +475,10 @@ class KioskWindow(QMainWindow):
 
     def _report_reading(self, is_open: bool) -> None:
         self._send(InstructionsNews(is_open, time.monotonic_ns()))
+
+    def _close_message(self) -> None:
+        self._stay()
+        self._send(MessageClosed())
 
     def _cover(self, panel: TitledPanel | None, widest: int = 520) -> None:
         """Show a panel above the page and disable the page's keys. If `panel` is None, show only the page."""

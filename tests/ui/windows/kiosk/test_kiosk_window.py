@@ -43,16 +43,20 @@ from ui.model.kiosk import (
     InstructionText,
     ItemNews,
     KioskClosed,
+    MessageClosed,
+    ResearcherMessage,
     StoppedTakingPart,
     StudyProgress,
     StudyTexts,
     TextToRead,
+    TurnToAwait,
     WentBack,
     WentOn,
 )
 from ui.windows import look
 from ui.windows.kiosk.items.panel import ItemPanel
 from ui.windows.kiosk.pages.form import FormPage
+from ui.windows.kiosk.pages.turn import TurnPage
 from ui.windows.kiosk.window import BEGIN_KEYS, KioskProgram, KioskWindow
 from ui.windows.participant.pages.pages import ConsentPage
 from ui.windows.participant.widgets.buttons import ActionButton
@@ -647,3 +651,38 @@ def test_pages_fit_and_speak(
     if language != "en":
         own = re.compile("|".join(sorted(map(re.escape, OWN), key=len, reverse=True)), re.IGNORECASE)
         assert english_in([own.sub("", words) for words in words_in(opened.window)], language) == []
+
+
+def test_a_person_who_waits_sees_the_time_and_can_stop(opened: Opened, qtbot: QtBot) -> None:
+    turn = TurnToAwait(6, "Please wait", "It begins soon.", progress=WAY)
+    opened.window.receive(turn)
+    page = opened.page(TurnPage)
+    opened.window.receive(structs.replace(turn, waited=65, before=2))
+    assert opened.page(TurnPage) is page
+    assert {"Please wait", "It begins soon.", "You have waited 1:05. 2 people are before you."} <= {*words_in(page)}
+    page.stop.click()
+    assert opened.told == [], "the press was meant for the page before"
+    opened.now += 1.0
+    page.stop.click()
+    page.stop.click()
+    assert opened.told == [WentOn(6)]
+
+
+def test_a_message_of_the_researcher_is_shown_until_it_is_closed(opened: Opened, qtbot: QtBot) -> None:
+    opened.window.receive(TextToRead(4, "Welcome", "Please begin.", "Begin"))
+    opened.window.receive(ResearcherMessage("Please put on the headphones."))
+    assert opened.window.message_panel.isVisible()
+    assert "Please put on the headphones." in words_in(opened.window.message_panel)
+    opened.now += 1.0
+    qtbot.keyClick(QApplication.focusWidget(), Qt.Key.Key_Escape)
+    assert not opened.window.message_panel.isVisible()
+    qtbot.keyClick(QApplication.focusWidget(), Qt.Key.Key_Return)
+    assert opened.told == [MessageClosed(), WentOn(4)]
+
+
+def test_the_next_person_does_not_see_a_message_for_the_person_before(opened: Opened) -> None:
+    opened.window.receive(ResearcherMessage("Please hurry."))
+    begin = TextToRead(5, "Welcome", "Please begin.", "Begin", anew=True)
+    opened.window.receive(begin)
+    assert not opened.window.message_panel.isVisible()
+    assert [*KIOSK.kept([ResearcherMessage("Please hurry.")], begin)] == [begin]
