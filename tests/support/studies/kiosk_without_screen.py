@@ -264,6 +264,7 @@ class Laboratory:
         self.design = read_experiment(folder / "experiment.yaml")
         self.games: GamesOfStudy = InstantGames()
         self.host: KioskHost | None = None
+        self.conductor: Conductor
         self.window: ShownWindow | None = None
         self._chance = random.Random(1)
 
@@ -271,7 +272,7 @@ class Laboratory:
         """Run the program until the window is closed; raise KilledError if the program dies."""
         clock = StudyClock()
         with MortalLog(self._log, dies, written) as log:
-            conductor = Conductor(self.design, log, clock, self._chance.randrange)
+            conductor = self.conductor = Conductor(self.design, log, clock, self._chance.randrange)
             self.window = ShownWindow(person, people)
             self.host = KioskHost(self.design, conductor, self.window, self.games, clock)
             asyncio.run(asyncio.wait_for(self.host.run(), 60))

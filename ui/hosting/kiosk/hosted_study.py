@@ -3,13 +3,23 @@
 from collections.abc import Callable
 
 from thbridge.experiment.allocation.places import NoPlace
-from thbridge.experiment.conductor import Conductor, unfinished
-from thbridge.experiment.progress import Progress
-from thbridge.experiment.store.events import LoggedEvent, RunState
+from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.progress import Progress, Run
+from thbridge.experiment.store.events import FrontEnd, LoggedEvent, RunState
 from thbridge.files.language_texts import shipped_texts
 from ui.hosting.kiosk import words
 from ui.hosting.kiosk.pages import KioskPages
 from ui.hosting.kiosk.study_actions import StudyActions
+
+
+def runs_at_kiosk(progress: Progress) -> list[Run]:
+    """Return the runs of people at the kiosk. People in browsers may take part in the same study."""
+    return [run for run in progress.runs.values() if run.front_end != FrontEnd.BROWSER]
+
+
+def unfinished_at_kiosk(progress: Progress) -> list[Run]:
+    """Return the runs of people at the kiosk that can be resumed."""
+    return [run for run in runs_at_kiosk(progress) if run.state is RunState.UNDER_WAY]
 
 
 class HostedStudy:
@@ -56,7 +66,7 @@ class HostedStudy:
 
     def admit_next(self) -> str | None:
         """Begin the run of the next person; return a sentence if this is not possible."""
-        if under_way := unfinished(self.progress):
+        if under_way := unfinished_at_kiosk(self.progress):
             return f"{under_way[0].participant} is still in the study."
         if isinstance(place := self.progress.next_place(), NoPlace):
             return words.NO_PLACE_TOLD[place]

@@ -19,14 +19,16 @@ from tests.support.studies.kiosk_without_screen import (
     Person,
     headings,
 )
+from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import read_experiment
 from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.export.tables import tables_of
 from thbridge.experiment.progress import Progress, lag_words
-from thbridge.experiment.store.event_log import read_log
-from thbridge.experiment.store.events import EventKind, RunState
+from thbridge.experiment.store.event_log import ExperimentLog, read_log
+from thbridge.experiment.store.events import EventKind, FrontEnd, RunState
 from thbridge.files.errors import BadFile
 from ui.hosting.kiosk import words
+from ui.hosting.kiosk.game_steps import StudyClock
 from ui.hosting.kiosk.games import KioskStopped
 from ui.model.kiosk import (
     AnswerKept,
@@ -917,3 +919,37 @@ def test_a_debriefing_tells_the_results_that_games_left_out(tmp_path: Path) -> N
         page.text,
     )
     assert words.results(TEXTS, [(3, None)]) == "Your score: 3."
+
+
+def test_the_kiosk_leaves_runs_of_people_in_browsers_alone(laboratory: Laboratory, tmp_path: Path) -> None:
+    with ExperimentLog(tmp_path / "store" / "log") as log:
+        Conductor(laboratory.design, log, StudyClock(), lambda most: most // 2).admit(front_end=FrontEnd.BROWSER)
+    person = Person()
+    laboratory.run(person)
+    at_browser, at_kiosk = laboratory.people
+    assert (at_browser.state, at_browser.step) == (RunState.UNDER_WAY, 1)
+    assert at_kiosk.state is RunState.COMPLETE
+    assert TEXTS.text("kiosk.restarted") not in headings(person)
+
+
+def test_a_place_that_a_person_in_a_browser_frees_or_takes_changes_the_first_page(laboratory: Laboratory) -> None:
+    seen: list[str] = []
+
+    def does(page: ToKiosk) -> Iterable[FromKiosk] | None:
+        if not (isinstance(page, TextToRead) and page.anew):
+            return None
+        seen.append(page.heading)
+        conductor = laboratory.conductor
+        match len(seen):
+            case 1:  # The quota is 2.
+                for _ in range(2):
+                    conductor.admit(front_end=FrontEnd.BROWSER)
+                return []
+            case 2:
+                conductor.leave(next(iter(conductor.progress.runs)), "stopped taking part")
+                return []
+        return [KioskClosed()]
+
+    laboratory.run(Person(does=does), 3)
+    welcome = TEXTS.text("kiosk.welcome")
+    assert seen == [welcome, TEXTS.text("kiosk.taken"), welcome]
