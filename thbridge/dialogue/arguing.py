@@ -27,7 +27,7 @@ from thbridge.dialogue.argumentation.beliefs import Beliefs
 from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import DialogueCondition, Manner
-from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing, announcement
+from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing, announcement, text_of
 from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.control import Conversation, Opening
@@ -86,6 +86,10 @@ class ArguingEngine:
     def argues(self) -> bool:
         """Always True."""
         return True
+
+    def without_energy(self) -> "ArguingEngine":
+        """Return the engine for people who do not see energy; see `DialogueEngine`."""
+        return replace(self, phrasing=self.phrasing.without_energy())
 
     @property
     def _possible(self) -> PossibleMoves:
@@ -303,7 +307,7 @@ class ArguingEngine:
         return replace(dialogue, turns=(*dialogue.turns, turn), conversation=conversation), utterance
 
     def _utterance(self, dialogue: Dialogue, turn: Turn) -> DialogueUtterance:
-        text = turn.text or self.phrasing.say(dialogue, turn.said or turn.move, turn.speaker)
+        text = text_of(self.phrasing, dialogue, turn)
         heard = "" if turn.said is None else self.phrasing.say(dialogue, turn.move, turn.speaker)
         return DialogueUtterance(
             dialogue.number,

@@ -5,7 +5,7 @@ robot's move, or `release` lets the robot choose its move.
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, Self
 
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import (
@@ -19,10 +19,20 @@ from thbridge.dialogue.moves import (
     Speaker,
     Turn,
 )
+from thbridge.dialogue.sentences import numbers_in
 
 
 class Phrasing(Protocol):
     """Sentences for moves."""
+
+    @property
+    def names_energy(self) -> bool:
+        """True if sentences may contain amounts of energy."""
+        ...
+
+    def without_energy(self) -> "Phrasing":
+        """Return the phrasing for people who do not see energy: the same sentences without amounts of energy."""
+        ...
 
     def say(self, dialogue: Dialogue, move: Move, speaker: Speaker) -> str:
         """Return the sentence for the next move, or a possible next move, of this dialogue."""
@@ -70,6 +80,10 @@ class DialogueEngine(Protocol):
         """True if topics must contain the robot's facts."""
         ...
 
+    def without_energy(self) -> Self:
+        """Return the engine for people who do not see energy: its sentences contain no amounts of energy."""
+        ...
+
     def open(
         self, number: int, topic: DialogueTopic, *, held: bool = False, former: Conversation | None = None
     ) -> DialogueStep:
@@ -113,6 +127,18 @@ class DialogueEngine(Protocol):
     def utterances(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
         """Return all utterances of a dialogue so far."""
         ...
+
+
+def text_of(phrasing: Phrasing, dialogue: Dialogue, turn: Turn) -> str:
+    """Return the sentence of the next turn of a dialogue.
+
+    The text of another author, such as a wizard, replaces the sentence of the phrasing. If no amount of energy may be
+    named, this text may contain only numbers that the sentence also contains, for example of rooms.
+    """
+    if turn.text and phrasing.names_energy:
+        return turn.text
+    said = phrasing.say(dialogue, turn.said or turn.move, turn.speaker)
+    return turn.text if turn.text and numbers_in(turn.text) <= numbers_in(said) else said
 
 
 def announcement(phrasing: Phrasing, number: int, topic: DialogueTopic, move: Move) -> DialogueStep:

@@ -5,8 +5,13 @@ import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
+UNNAMED = "…"
+"""Text in place of a value that a person may not see."""
+
 _RESERVED = re.compile(r"£(\w+)£")
 _SENTENCE_START = re.compile(r"(^|[.?!…])\s*$")
+_SENTENCE_END = re.compile(r"(?<=[.?!…])\s+")
+_NUMBER = re.compile(r"\d+(?:[.,]\d+)?")
 _STRAY = re.compile(r"£[^\W\d]|[^\W\d]£")
 
 
@@ -46,6 +51,20 @@ def is_filled(wording: str, words: Mapping[str, str]) -> bool:
 def reserved_in(wording: str) -> tuple[str, ...]:
     """Return the reserved words of a wording, without their pound signs, in order."""
     return tuple(found.group(1) for found in _RESERVED.finditer(wording))
+
+
+def without_sentences_about(wording: str, hidden: Collection[str]) -> str:
+    """Return a wording without the sentences that contain hidden reserved words.
+
+    If all its sentences do, return the wording with `UNNAMED` in place of these words.
+    """
+    kept = [each for each in _SENTENCE_END.split(wording) if not set(hidden) & {*reserved_in(each)}]
+    return " ".join(kept) or fill(wording, dict.fromkeys(hidden, UNNAMED))
+
+
+def numbers_in(sentence: str) -> set[str]:
+    """Return the numbers that a sentence contains in figures."""
+    return {*_NUMBER.findall(sentence)}
 
 
 def fill(wording: str, words: Mapping[str, str], beginning: re.Pattern[str] = _SENTENCE_START) -> str:

@@ -1,6 +1,6 @@
 """Sentences of dialogues in which robots argue, in a language."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from sim.numerics import noise
 from thbridge.dialogue.argumentation.cases import Side
@@ -61,6 +61,7 @@ class WordedPhrasing:
         names: names of the rooms.
         author: other author of sentences. If None, all sentences come from the language's files.
         known: names of treasures. An author may use a name only if the sentence from the files contains it.
+        names_energy: False if no sentence may contain an amount of energy.
     """
 
     language: Language
@@ -69,6 +70,11 @@ class WordedPhrasing:
     names: RoomNames = field(default_factory=RoomNames)
     author: WordingAuthor | None = None
     known: tuple[str, ...] = ()
+    names_energy: bool = True
+
+    def without_energy(self) -> "WordedPhrasing":
+        """Return this phrasing without amounts of energy; see `Phrasing`."""
+        return replace(self, names_energy=False)
 
     def authored(self, dialogue: Dialogue, move: Move) -> OfferedSentence | None:
         """Return the author's offer for the robot's next move in a dialogue game; None without an author."""
@@ -84,7 +90,7 @@ class WordedPhrasing:
     def _words(self, dialogue: Dialogue) -> tuple[Wording, float]:
         """Return the words of a dialogue's robot, and the random number for its next move."""
         chance = noise.uniform(noise.key(self.seed, "wording"), dialogue.number, len(dialogue.turns))
-        return Wording(self.language, dialogue.topic.robot, self.names), chance
+        return Wording(self.language, dialogue.topic.robot, self.names, self.names_energy), chance
 
     def say(self, dialogue: Dialogue, move: Move, speaker: Speaker) -> str:
         """Return the sentence for the next move, or a possible next move, of this dialogue."""
@@ -107,6 +113,9 @@ class WordedPhrasing:
             case Explain():
                 return _explanation(words, move, chance)
             case Echo(heard):
+                if not self.names_energy and dialogue.turns:
+                    *before, misheard = dialogue.turns
+                    heard = self.say(replace(dialogue, turns=tuple(before)), misheard.move, Speaker.PERSON)
                 return words.line(LineKey.MISHEARD, chance=chance, heard=heard)
             case Conclude(Upshot.AGREED, Literal(NextRoom(_, room))):
                 return words.line(LineKey.GOES, chance=chance, room=room)

@@ -328,12 +328,17 @@ def _phrase_faults(loaded: Loaded[_WordsYaml], key: str, phrase: PhraseWording) 
         "no": phrase.no,
         "simply_yes": phrase.simply_yes,
         "simply_no": phrase.simply_no,
+        "yes_without_energy": phrase.yes_without_energy,
+        "no_without_energy": phrase.no_without_energy,
     }
+    amounts = {name for name, kind in predicate.values.items() if kind in {ValueKind.ENERGY, ValueKind.SUM}}
     if not any(said.values()):
         yield _no_wording(loaded, f"{key}.yes")
     for name, wordings in said.items():
-        whole = () if name.startswith("simply") else needed
-        yield from _wording_faults(loaded, f"{key}.{name}", wordings, allowed, (whole,))
+        whole, possible = () if name.startswith("simply") else needed, allowed
+        if name.endswith("energy"):
+            whole, possible = needed - amounts, {word: of for word, of in allowed.items() if of not in amounts}
+        yield from _wording_faults(loaded, f"{key}.{name}", wordings, possible, (whole,))
         for place, wording in enumerate(wordings):
             if wording.rstrip().endswith((".", "?", "!")):
                 problem = "a phrase is a part of a sentence, so it does not end the sentence"

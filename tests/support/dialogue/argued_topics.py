@@ -26,6 +26,11 @@ ARGUING = [DialogueCondition.COLLABORATOR, DialogueCondition.ADVISER, DialogueCo
 class FormalPhrasing:
     """Phrasing that writes moves in the formal notation of the paper."""
 
+    names_energy: bool = True
+
+    def without_energy(self) -> "FormalPhrasing":
+        return self
+
     def say(self, dialogue: Dialogue, move: Move, speaker: Speaker) -> str:
         return str(move)
 

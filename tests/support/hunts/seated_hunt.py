@@ -10,6 +10,7 @@ from dataclasses import replace
 from tests.support.hunts.hunt_without_simulator import RULES, scripted_engine, templates
 from thbridge.app.compose.game import build_bot, build_hider, known_treasures
 from thbridge.app.trials.puppets import Puppets
+from thbridge.dialogue.engine import DialogueEngine
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.hunt.events import Event, JournalEntry, TeamEntry
 from thbridge.hunt.game import GameState
@@ -50,6 +51,7 @@ class SeatedHunt:
         robots: int = 2,
         energy: float = 100.0,
         history: Sequence[JournalEntry] = (),
+        talk: DialogueEngine | None = None,
     ) -> None:
         self.templates = templates()
         known = known_treasures(self.templates)
@@ -57,7 +59,7 @@ class SeatedHunt:
         briefing = Briefing(PLAN, names, kinds=known, properties=self.templates.properties, worth=(10,) * len(names))
         rules = replace(RULES, energy=energy, seats=tuple(seats), team=team or TeamRules())
         last_game = 1 if history else 0
-        self.keeper = Keeper(rules, lambda game: scripted_engine(self.templates), history, last_game, briefing)
+        self.keeper = Keeper(rules, lambda game: talk or scripted_engine(self.templates), history, last_game, briefing)
         self.puppets = Puppets(robots, plain_costs(templates().costs))
         self._roles: list[Role] = [self.keeper, self.puppets, build_hider(self.templates, 7)]
         self.entries: list[JournalEntry] = [*history]

@@ -64,6 +64,9 @@ WORDS = (
 )
 """All words except the properties of treasures. Only questions about a treasure may contain a property."""
 
+ENERGY_WORDS = ("cost", "energy")
+"""Words that stand for amounts of energy."""
+
 
 def allowed_words(scenario: Scenario, properties: Sequence[TreasureProperty]) -> dict[str, str]:
     """Return the words that the questions of a scenario may contain, with their meanings.

@@ -6,7 +6,7 @@ The person gets the legal moves as sentences and can make no other move.
 
 from dataclasses import dataclass, replace
 
-from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing, announcement
+from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing, announcement, text_of
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import Author, Dialogue, DialogueTopic, DialogueUtterance, Move, Speaker, Turn
 from thbridge.dialogue.scripted.protocols import DialogueProtocol
@@ -33,6 +33,10 @@ class ScriptedEngine:
     def argues(self) -> bool:
         """Always False, because scripts need no facts."""
         return False
+
+    def without_energy(self) -> "ScriptedEngine":
+        """Return the engine for people who do not see energy; see `DialogueEngine`."""
+        return replace(self, phrasing=self.phrasing.without_energy())
 
     def open(
         self, number: int, topic: DialogueTopic, *, held: bool = False, former: Conversation | None = None
@@ -94,7 +98,7 @@ class ScriptedEngine:
         legal = self.protocol.legal(dialogue) if self.protocol.speaker(dialogue) is turn.speaker else ()
         if turn.move not in legal:
             raise ValueError(f"{turn.move} of the {turn.speaker} is not among the legal moves {legal}")
-        text = turn.text or self.phrasing.say(dialogue, turn.move, turn.speaker)
+        text = text_of(self.phrasing, dialogue, turn)
         index, topic = len(dialogue.turns), dialogue.topic
         utterance = DialogueUtterance(dialogue.number, index, turn.speaker, turn.author, turn.move, text, topic)
         return replace(dialogue, turns=(*dialogue.turns, turn)), utterance

@@ -1,12 +1,23 @@
 """Scripted questions of a DialogueText file, and their sentences."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from sim.numerics import noise
-from thbridge.dialogue.moves import Ask, Continue, DecideAlone, Dialogue, Move, OfferedSentence, Scenario, Speaker, Stop
-from thbridge.dialogue.scripted.reserved_words import fill_known, words_of
-from thbridge.dialogue.sentences import is_filled
+from thbridge.dialogue.moves import (
+    Ask,
+    Continue,
+    DecideAlone,
+    Dialogue,
+    DialogueTopic,
+    Move,
+    OfferedSentence,
+    Scenario,
+    Speaker,
+    Stop,
+)
+from thbridge.dialogue.scripted.reserved_words import ENERGY_WORDS, fill_known, words_of
+from thbridge.dialogue.sentences import is_filled, numbers_in, without_sentences_about
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.properties import TreasureProperty
 
@@ -58,12 +69,18 @@ class TemplatePhrasing:
         seed: random seed of the game.
         texts: texts of the game's language.
         properties: properties of the treasures, with the words for their values in this language.
+        names_energy: False to leave out each sentence with the cost of an action or the energy of the robot.
     """
 
     template: Template
     seed: int
     texts: Texts
     properties: Sequence[TreasureProperty] = ()
+    names_energy: bool = True
+
+    def without_energy(self) -> "TemplatePhrasing":
+        """Return this phrasing without amounts of energy; see `Phrasing`."""
+        return replace(self, names_energy=False)
 
     def say(self, dialogue: Dialogue, move: Move, speaker: Speaker = Speaker.ROBOT) -> str:
         """Return the sentence for a move in this dialogue; for the person's moves, the text of the button."""
@@ -74,6 +91,9 @@ class TemplatePhrasing:
                 wordings = tuple(each for each in wordings if is_filled(each, words)) or wordings
                 chance = noise.uniform(noise.key(self.seed, "wording"), dialogue.number, question)
                 wording = wordings[int(chance * len(wordings))]
+                if not self.names_energy:
+                    wording = without_sentences_about(wording, ENERGY_WORDS)
+                    words |= self._reason_without_energy(dialogue.topic)
                 said = fill_known(wording, words, self.texts)
                 if question == 0 and "confidence" in words and _CONFIDENCE not in wording:
                     return f"{self.texts.text('scripted.sure', confidence=words['confidence'])} {said}"
@@ -87,6 +107,12 @@ class TemplatePhrasing:
                 return self.texts.text("scripted.neglected", seconds=waited, name=name)
             case _:
                 raise ValueError(f"there is no scripted sentence for {move}")
+
+    def _reason_without_energy(self, topic: DialogueTopic) -> dict[str, str]:
+        """Return the reserved word for a reason that names the cost of the way: another true reason."""
+        if self.texts.number(topic.cost) not in numbers_in(topic.reason):
+            return {}
+        return {"reason": self.texts.text("scripted.reason_reachable")}
 
     def authored(self, dialogue: Dialogue, move: Move) -> OfferedSentence | None:
         """Return None, because scripts have no other authors."""

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import TypeVar
+from typing import Self, TypeVar
 
 from sim.numerics import noise
 from thbridge.dialogue.arguing import ArguingEngine
@@ -191,6 +191,11 @@ def _play_hunt(trial: StrategyTrial, rulebook: Rulebook, draws: _Draws) -> None:
 
 @dataclass(frozen=True, slots=True)
 class _FormalPhrasing:
+    names_energy: bool = True
+
+    def without_energy(self) -> Self:
+        return self
+
     def say(self, _dialogue: Dialogue, move: Move, _speaker: Speaker) -> str:
         return str(move)
 

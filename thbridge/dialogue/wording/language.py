@@ -100,6 +100,9 @@ class PhraseWording:
         no: wordings for its negation.
         simply_yes: wordings for the proposition in simpler words, which may leave values out. If empty, `yes` is used.
         simply_no: wordings for its negation in simpler words. If empty, `no` is used.
+        yes_without_energy: wordings for the proposition without amounts of energy, for people who do not see energy. If
+            empty, `yes` is used, with an ellipsis in place of each amount.
+        no_without_energy: the same for its negation.
     """
 
     of: str
@@ -109,11 +112,14 @@ class PhraseWording:
     no: tuple[str, ...] = ()
     simply_yes: tuple[str, ...] = ()
     simply_no: tuple[str, ...] = ()
+    yes_without_energy: tuple[str, ...] = ()
+    no_without_energy: tuple[str, ...] = ()
 
-    def wordings(self, *, holds: bool, simply: bool) -> tuple[str, ...]:
+    def wordings(self, *, holds: bool, simply: bool, names_energy: bool = True) -> tuple[str, ...]:
         """Return the wordings for one purpose. There may be none."""
         simple = self.simply_yes if holds else self.simply_no
-        return (simply and simple) or (self.yes if holds else self.no)
+        without = self.yes_without_energy if holds else self.no_without_energy
+        return (not names_energy and without) or (simply and simple) or (self.yes if holds else self.no)
 
     @property
     def narrowing(self) -> tuple[object, ...]:
@@ -183,7 +189,14 @@ class Language:
     fallback: "Language | None" = None
 
     def phrase(
-        self, of: str, speaker: Side, robot: AboutRobot | None, *, holds: bool = True, simply: bool = False
+        self,
+        of: str,
+        speaker: Side,
+        robot: AboutRobot | None,
+        *,
+        holds: bool = True,
+        simply: bool = False,
+        names_energy: bool = True,
     ) -> tuple[str, ...]:
         """Return the most specific wordings of a proposition; empty if there are none.
 
@@ -193,15 +206,17 @@ class Language:
             robot: robot that the proposition is about; None if it is about no robot.
             holds: False for the negation.
             simply: True for simpler words, if there are any.
+            names_energy: False for words without amounts of energy, if there are any.
         """
-        found = _most_specific(
-            (each for each in self.phrases if each.of == of and each.wordings(holds=holds, simply=simply)),
-            (robot, speaker),
-        )
+
+        def wordings(entry: PhraseWording) -> tuple[str, ...]:
+            return entry.wordings(holds=holds, simply=simply, names_energy=names_energy)
+
+        found = _most_specific((each for each in self.phrases if each.of == of and wordings(each)), (robot, speaker))
         if found is not None:
-            return found.wordings(holds=holds, simply=simply)
+            return wordings(found)
         if self.fallback is not None:
-            return self.fallback.phrase(of, speaker, robot, holds=holds, simply=simply)
+            return self.fallback.phrase(of, speaker, robot, holds=holds, simply=simply, names_energy=names_energy)
         return ()
 
     def move(

@@ -10,7 +10,7 @@ from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.argumentation.propositions import Literal, Proposition, Rule
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown, kind_of_content
-from thbridge.dialogue.sentences import fill
+from thbridge.dialogue.sentences import UNNAMED, fill
 from thbridge.dialogue.wording.language import AboutRobot, Language
 from thbridge.dialogue.wording.lines import LINES, LineKey
 from thbridge.dialogue.wording.predicates import PREDICATES, PREPOSITIONS, Predicate, ValueKind, predicate_of
@@ -34,11 +34,13 @@ class Wording:
         language: the language.
         robot: robot of the dialogue, as index in the team.
         names: names of the rooms.
+        names_energy: False if no sentence may contain an amount of energy.
     """
 
     language: Language
     robot: int
     names: RoomNames = field(default_factory=RoomNames)
+    names_energy: bool = True
 
     def sentence(
         self,
@@ -138,7 +140,14 @@ class _Clauses:
             raise ValueError(f"there are no words for {literal}")
         wording, language = self.wording, self.wording.language
         robot = wording.about(literal.proposition)
-        wordings = language.phrase(predicate.name, self.speaker, robot, holds=literal.holds, simply=self.simply)
+        wordings = language.phrase(
+            predicate.name,
+            self.speaker,
+            robot,
+            holds=literal.holds,
+            simply=self.simply,
+            names_energy=wording.names_energy,
+        )
         if not wordings:
             raise ValueError(f"{language.title} has no words for {literal}")
         return self.filled(
@@ -180,6 +189,8 @@ class _Clauses:
         """Return the words for a value."""
         grammar = self.wording.language.grammar
         match kind, value:
+            case ((ValueKind.ENERGY | ValueKind.SUM), _) if not self.wording.names_energy:
+                return {name: UNNAMED}
             case ValueKind.ROOM, Room():
                 return self.room_words(name, value)
             case ValueKind.STOPS, tuple():

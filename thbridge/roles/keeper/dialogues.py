@@ -7,6 +7,7 @@ from thbridge.dialogue.engine import DialogueEngine, DialogueStep
 from thbridge.dialogue.moves import (
     Author,
     DecideAlone,
+    Dialogue,
     DialogueOutcome,
     DialogueTopic,
     DialogueUtterance,
@@ -70,6 +71,7 @@ class GameDialogues:
         under_way: the open dialogues.
         agreements: agreements that are not carried out yet.
         last_words: last sentences of ended dialogues.
+        last_words_without_energy: the same for participants who do not see energy.
         memories: memories of the robots.
         not_restored: numbers of dialogues that could not be resumed after an interruption of the game.
     """
@@ -84,12 +86,14 @@ class GameDialogues:
         self._room_names = room_names or RoomNames()
         self.asked_for_advice: tuple[int, ...] = ()
         self._engine = engine
+        self._without_energy = engine.without_energy()
         self.argues = engine.argues
         self.memories = RobotMemories()
         self.under_way = OpenDialogues()
         self._opened = 0
         self.agreements = Agreements()
         self.last_words = LastSentences()
+        self.last_words_without_energy = LastSentences()
         self.not_restored: tuple[int, ...] = ()
         self._utterances: list[DialogueUtterance] = []
 
@@ -199,8 +203,7 @@ class GameDialogues:
         self._opened += 1
         step = self._engine.announce(self._opened, topic, DecideAlone(waited))
         self._follow(state, step)
-        if self.argues:
-            self.last_words.keep(step.dialogue, self._engine.utterances(step.dialogue), agreed=True)
+        self._keep_last_words(step.dialogue, agreed=True)
 
     # In a robot's place
 
@@ -253,22 +256,22 @@ class GameDialogues:
             topic = dialogue.topic
             if not still_open(state, topic.robot, MATTERS[topic.scenario], topic.room):
                 self.under_way.drop(topic.robot)
-                if self.argues:
-                    self.last_words.keep(dialogue, self._engine.utterances(dialogue), agreed=False)
+                self._keep_last_words(dialogue, agreed=False)
         self.agreements.drop_stale(state)
         self.last_words.drop_stale(state, self.agreements)
+        self.last_words_without_energy.drop_stale(state, self.agreements)
         self.asked_for_advice = tuple(
             robot
             for robot in self.asked_for_advice
             if any(still_open(state, robot, "select-room", room) for room in state.free_rooms)
         )
 
-    def views(self) -> tuple[DialogueView, ...]:
-        """Return the open dialogues in the form for the participant."""
-        views = []
+    def views(self, *, names_energy: bool = True) -> tuple[DialogueView, ...]:
+        """Return the open dialogues in the form for a participant, with or without amounts of energy."""
+        views, engine = [], self._engine if names_energy else self._without_energy
         for dialogue in self.under_way:
-            topic, choices = dialogue.topic, self._engine.choices(dialogue)
-            said, speakers = sentences(self._engine.utterances(dialogue))
+            topic, choices = dialogue.topic, engine.choices(dialogue)
+            said, speakers = sentences(engine.utterances(dialogue))
             views.append(
                 DialogueView(
                     dialogue=dialogue.number,
@@ -298,10 +301,16 @@ class GameDialogues:
         agreed = step.outcome is DialogueOutcome.CONSENSUS and can_be_done
         self.under_way.drop(topic.robot)
         self._utterances += true_utterances(step.utterances, agreed=agreed)
-        if self.argues:
-            self.last_words.keep(step.dialogue, self._engine.utterances(step.dialogue), agreed=agreed)
+        self._keep_last_words(step.dialogue, agreed=agreed)
         if agreed:
             self.agreements.add(Consent(topic.robot, matter, topic.room.people, topic.name))
+
+    def _keep_last_words(self, dialogue: Dialogue, *, agreed: bool) -> None:
+        """Store the last sentences of a dialogue in which a robot argues."""
+        if self.argues:
+            self.last_words.keep(dialogue, self._engine.utterances(dialogue), agreed=agreed)
+            unnamed = self._without_energy.utterances(dialogue)
+            self.last_words_without_energy.keep(dialogue, unnamed, agreed=agreed)
 
     def _forget(self, robot: int, matter: DialogueMatter) -> None:
         """Remove a robot's dialogue, its request for advice, and its agreement on this matter."""
@@ -309,6 +318,7 @@ class GameDialogues:
         self.asked_for_advice = _without(self.asked_for_advice, robot)
         self.under_way.drop(robot)
         self.last_words.forget(robot)
+        self.last_words_without_energy.forget(robot)
 
 
 def _without(robots: tuple[int, ...], robot: int) -> tuple[int, ...]:

@@ -577,6 +577,7 @@ class Keeper:
                     asks=place.consent.awaited(state),
                     asked_back=self._game.handbacks.robots,
                     debrief=self._debriefed(state),
+                    names_energy=place.seat.sees_energy,
                 )
                 if self._rules.seats:
                     talk = self._game.team.talk

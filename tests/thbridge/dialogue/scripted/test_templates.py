@@ -96,6 +96,21 @@ def test_confidence_is_said_where_the_wording_wants_it_or_else_before_it():
     assert said(silent, 0, None) == "Room 4?"
 
 
+@pytest.mark.parametrize(
+    ("wording", "said"),
+    [
+        ("Room £room£ costs £cost£ of my £energy£ energy. Shall I go?", "Shall I go?"),
+        ("It costs me £cost£ to go to room £room£", "It costs me … to go to room 4"),
+        ("I suggest room £room£: £reason£. Agreed?", "I suggest room 4: my energy is enough for the way. Agreed?"),
+        ("Shall I go to room £room£?", "Shall I go to room 4?"),
+    ],
+)
+def test_sentences_with_energy_are_left_out_for_people_who_do_not_see_it(wording, said):
+    template = Template("", {Scenario.DONT_KNOW: (ScriptedQuestion((wording,)),)})
+    topic = DialogueTopic(Scenario.DONT_KNOW, 0, Room(4), 5.5, 82.5, reason="it costs me 5.5")
+    assert TemplatePhrasing(template, 1, ENGLISH).without_energy().say(Dialogue(1, topic), Ask(0)) == said
+
+
 def test_a_room_is_called_by_its_own_name_or_else_by_its_number():
     names = RoomNames.of([(3, "Kitchen"), (4, "Room 4")])
     played = HuntWithoutSimulator(set_name="four-properties")

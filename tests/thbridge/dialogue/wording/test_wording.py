@@ -1,7 +1,7 @@
 """Wordings of arguing robots: every move has a sentence that carries its values, in every language that is shipped."""
 
 import re
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import pytest
 from hypothesis import given
@@ -50,6 +50,24 @@ def test_every_move_has_a_sentence_that_carries_all_values(
     assert sentence[-1] in ".?" and sentence[0] == sentence[0].upper() and "£" not in sentence and "  " not in sentence
     for value in values_in(move.content, 0, grammar.decimal):
         assert stands_in(grammar.names.get(value, value), sentence), (value, sentence)
+
+
+@given(NAME, PLAIN, SIDES, CHANCES, st.booleans(), st.booleans())
+def test_people_who_do_not_see_energy_read_no_amount_of_it(
+    name: str, proposition: Proposition, side: Side, chance: float, holds: bool, simply: bool
+) -> None:
+    wording = replace(WORDINGS[name], names_energy=False)
+    kinds = PREDICATES[str(proposition).partition("(")[0]].values
+    amounts: dict[str, float | tuple[float, ...]] = {
+        each: (0.125,) if kind is ValueKind.SUM else 0.125
+        for each, kind in kinds.items()
+        if kind in {ValueKind.SUM, ValueKind.ENERGY}
+    }
+    said, other = (
+        wording.phrase(Literal(each, holds), side, chance=chance, simply=simply)
+        for each in (proposition, replace(proposition, **amounts))
+    )
+    assert said == other and "…" not in said
 
 
 @given(NAME, SIDES)

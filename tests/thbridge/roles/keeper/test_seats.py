@@ -1,11 +1,14 @@
 """Several participants in one game: rights of their seats, hand-over, votes, texts, and what each of them sees."""
 
 import math
+import re
 
 import pytest
 from msgspec import structs
 
+from tests.support.hunts.scripted_hunt import arguing_engine
 from tests.support.hunts.seated_hunt import SeatedHunt
+from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.events import (
     DecisionKind,
     DecisionOutcome,
@@ -28,6 +31,7 @@ from thbridge.roles.keeper.team.people_talk import BURST, TalkRules
 from thbridge.roles.shared.notices import FloorPlan
 from thbridge.roles.shared.team_notices import LONGEST_TEXT, MarkRead, SayToPeople, Vote
 from thbridge.roles.shared.view import (
+    AnswerDialogue,
     EndGame,
     HandOver,
     IdentifyTreasure,
@@ -266,3 +270,21 @@ class TestSight:
         assert not any(isinstance(each, FloorPlan) for each in hunt.shown["blind"])
         assert any(isinstance(each, FloorPlan) for each in hunt.shown["own"])
         assert hunt.view("own").robots[0].energy < 100.0
+
+    def test_sentences_of_robots_name_no_energy_to_a_seat_that_does_not_see_it(self):
+        blind = Seat("blind", "the blind", robots=(1,), sees_energy=False)
+        hunt = SeatedHunt((DRIVER, blind), talk=arguing_engine(DialogueCondition.COLLABORATOR))
+        shown: dict[str, set[str]] = {"driver": set(), "blind": set()}
+        for room in (8, 4, 2):
+            hunt.ask("blind", SelectRoom(1, room))
+            while own := hunt.view("blind").dialogues:
+                for seat, sentences in shown.items():
+                    for each in hunt.view(seat).dialogues:
+                        sentences |= {*each.said, *each.choices}
+                why = next((at for at, text in enumerate(own[0].choices) if text.startswith("Why")), 0)
+                hunt.ask("blind", AnswerDialogue(own[0].dialogue, own[0].turn, why))
+            for seat, sentences in shown.items():
+                sentences |= {text for each in hunt.view(seat).last_words for text in each.said}
+        assert any(re.search(r"\d energy", each) for each in shown["driver"])
+        assert any("we reach" in each for each in shown["blind"])
+        assert not [each for each in shown["blind"] if re.search(r"\d energy|\d\.\d|…", each)]

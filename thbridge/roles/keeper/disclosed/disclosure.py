@@ -32,10 +32,12 @@ def view_of(
     asks: bool,
     asked_back: Collection[int] = (),
     debrief: Debrief | None = None,
+    names_energy: bool = True,
 ) -> View:
     """Return the participant's view. It contains only known facts about the treasures.
 
-    `asks` is True if the game waits for the participant's consent.
+    `asks` is True if the game waits for the participant's consent. If `names_energy` is False, sentences of dialogues
+    contain no amounts of energy.
     """
     sensed = any(room.sensed is not None for room in state.rooms)
     return View(
@@ -44,7 +46,7 @@ def view_of(
         costs=plain_costs(state.started.costs),
         robots=tuple(_robot(state, number, number in asked_back) for number in range(len(state.robots))),
         rooms=tuple(_room(state, room) for room in state.started.costs.rooms),
-        dialogues=dialogues.views(),
+        dialogues=dialogues.views(names_energy=names_energy),
         consents=dialogues.agreements.all,
         score=state.score,
         over=None if state.ended is None else state.ended.reason.value,
@@ -61,7 +63,7 @@ def view_of(
         wrong_share=state.started.wrong_share if briefing.worth else None,
         sound=briefing.sound,
         properties=_with_words(state, briefing),
-        last_words=dialogues.last_words.all,
+        last_words=(dialogues.last_words if names_energy else dialogues.last_words_without_energy).all,
         has_last_word=_HAVE_LAST_WORD.get(briefing.condition),
     )
 
