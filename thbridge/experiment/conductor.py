@@ -203,25 +203,27 @@ class Conductor:
     def end_group_game(self, game: GroupGame, data: Mapping[str, JsonValue]) -> None:
         """Log the finished game of a group for each person who holds a seat, all people at once.
 
+        If all people have left, there is nothing to log.
+
         Args:
             game: game of the group.
             data: data of the `GAME_PLAYED` events.
         """
         seats = {person: seat for seat, person in game.people.items()}
         runs = [self.progress.runs[person] for person in self.progress.groups[game.group, game.step].present]
-        self._append_all(
-            [
-                self._event_of_step(
-                    EventKind.GAME_PLAYED,
-                    "program",
-                    run.participant,
-                    run.plan[game.step - 1],
-                    {**data, "group": game.group, "seat": seats[run.participant]},
-                )
-                for run in runs
-                if run.state is RunState.UNDER_WAY
-            ]
-        )
+        events = [
+            self._event_of_step(
+                EventKind.GAME_PLAYED,
+                "program",
+                run.participant,
+                run.plan[game.step - 1],
+                {**data, "group": game.group, "seat": seats[run.participant]},
+            )
+            for run in runs
+            if run.state is RunState.UNDER_WAY
+        ]
+        if events:
+            self._append_all(events)
 
     def end_wait(self, participant: str, step: PlannedStep, outcome: WaitEnded) -> None:
         """Log the end of a wait without a game: the step is skipped, or the run ends with a completion code."""

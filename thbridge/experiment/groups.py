@@ -61,6 +61,11 @@ class GroupGame:
         """Ids of the people who hold their seats."""
         return tuple(person for seat, person in self.people.items() if self.seats[seat] is SeatHolder.PERSON)
 
+    @property
+    def has_absent(self) -> bool:
+        """True if a person who took a seat at the start does not hold it now."""
+        return len(self.present) < len(self.people)
+
 
 HOLDERS = {
     EventKind.SEAT_LEFT: SeatHolder.EMPTY,

@@ -153,18 +153,21 @@ class Lobby:
         """Time at which the next wait ends, s, or None if no person waits."""
         return min((each.since + self.rules[each.pool].wait for each in self.waiting), default=None)
 
-    def matched(self, now: float) -> tuple["Lobby", tuple[LobbyOutcome, ...]]:
+    def matched(self, now: float, most: int | None = None) -> tuple["Lobby", tuple[LobbyOutcome, ...]]:
         """Return the lobby after all present matches, and these matches: complete groups, and waits that end.
 
         Args:
             now: time, s.
+            most: greatest number of groups. The people of further groups go on waiting. If None, there is no limit.
         """
         lobby, found = self, list[LobbyOutcome]()
         for pool in dict.fromkeys(each.pool for each in self.waiting):
             while outcomes := lobby._next_of(pool, now):
+                groups = sum(isinstance(outcome, FormedGroup) for outcome in outcomes)
+                if most is not None and lobby.formed + groups - self.formed > most:
+                    break
                 found += outcomes
                 done = {each for outcome in outcomes for each in _people_of(outcome)}
-                groups = sum(isinstance(outcome, FormedGroup) for outcome in outcomes)
                 lobby = dataclasses.replace(lobby._without(done), formed=lobby.formed + groups)
         return lobby, tuple(found)
 

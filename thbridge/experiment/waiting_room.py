@@ -55,18 +55,19 @@ class WaitingRoom:
         self._lobby = self._lobby.leave(participant)
         self._steps.pop(participant, None)
 
-    def update(self, now: float) -> "LobbyChanges":
+    def update(self, now: float, most: int | None = None) -> "LobbyChanges":
         """Form groups and end waits, log both, and return them.
 
         Args:
             now: time, s.
+            most: greatest number of games that can start now. If None, there is no limit.
         """
         progress, games, ended = self._conductor.progress, list[GroupGame](), list[str]()
         for person in self._lobby.waiting:
             # A person of a known group may have left meanwhile.
             _, rule = pool_of(progress, progress.runs[person.participant], self._steps[person.participant])
             self._lobby = self._lobby.changed(person.pool, rule)
-        self._lobby, outcomes = self._lobby.matched(now)
+        self._lobby, outcomes = self._lobby.matched(now, most)
         for outcome in outcomes:
             match outcome:
                 case FormedGroup(people=people):

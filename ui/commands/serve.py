@@ -193,7 +193,6 @@ def _serve_folder(
     from thbridge.experiment.sockets.markers import MarkerStream
     from thbridge.experiment.store.event_log import ExperimentLog
     from thbridge.files.disk.synced import make_folder
-    from thbridge.files.errors import BadFile
     from ui.command_line.event_loop import run
     from ui.commands.study.unfinished import finish_begun_withdrawals
     from ui.web.gateway.serving import serve_study
@@ -203,9 +202,6 @@ def _serve_folder(
     with bad_input():
         place, clock = ExperimentFolder(folder), VisitClock()
         design = read_for_people(place)
-        if design.has_groups:
-            problem = "its games have several people, whom this command brings together only in games of a study file"
-            raise BadFile(design.path, problem, "Delete `seats`, or serve the study file of the games")
         codes = link_codes(design.file.recruiting, place.root)
     chosen = options(design.study, design.path)
     begin()

@@ -15,7 +15,7 @@ from thbridge.experiment.store.events import Actor, EventKind, StepOutcome
 from ui.hosting.kiosk import words
 from ui.hosting.kiosk.form_steps import FormSteps
 from ui.hosting.kiosk.game_steps import GamesOfStudy, GameSteps, StudyClock
-from ui.hosting.kiosk.pages import KioskPages, RunOver, Woken
+from ui.hosting.kiosk.pages import KioskPages, RunOver, StepOver, Woken
 from ui.hosting.kiosk.text_steps import TextSteps
 from ui.model.kiosk import FormItem, FormToFill, FromKiosk, ItemNews, TextToRead, WentOn
 
@@ -65,8 +65,9 @@ class StudyCourse:
         step = self._conductor.begin(self._pages.person)
         if step is not None:
             await self.text_steps.send_instructions(step)
-            await self._do(step, how)
-            self._conductor.end(self._pages.person, step)
+            with contextlib.suppress(StepOver):
+                await self._do(step, how)
+                self._conductor.end(self._pages.person, step)
         return step is not None
 
     async def _do(self, step: PlannedStep, how: ResumeRule | None) -> None:

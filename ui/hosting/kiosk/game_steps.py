@@ -122,7 +122,7 @@ class GameSteps:
             if game is not None:
                 self._conductor.tell(EventKind.GAME_PLAYED, self._pages.person, step, game, "program")
         if not visit.went_on:
-            text = words.result(self._pages.texts, self._pages.run.game)
+            text = words.result_of_group(self._pages.texts, self._conductor.progress, self._pages.person, step)
             await self._read_result(visit, GameRecorded(0, self._pages.texts.text("kiosk.game_ended"), text))
 
     async def _at_game(self, visit: "_Visit", game: Coroutine[object, object, PlayedT]) -> PlayedT:

@@ -113,18 +113,20 @@ class StudyGames:
         return count
 
     async def play(
-        self, run: Run, step: PlannedStep, watcher: GameWatcher, *, goes_on: bool
+        self, run: Run, step: PlannedStep, watcher: GameWatcher, *, goes_on: bool, group: str = ""
     ) -> dict[str, JsonValue] | None:
-        """Play a person's game, or resume a game that was interrupted.
+        """Play the game of a person or a group, or resume a game that was interrupted.
 
         Args:
-            run: run of the person.
+            run: run of the person, or of a person of the group.
             step: step of the trial.
-            watcher: host of the person.
+            watcher: host of the people.
             goes_on: True to resume the game that an earlier process began; False to start the game again.
+            group: id of the group; empty for a game with one participant.
 
         Returns:
-            The game's entry in the log; None if the game did not reach its end.
+            The game's entry in the log; None if a game with one participant did not reach its end. A group has an
+            entry also then, because only a part of its people may have left.
 
         Raises:
             BadFile: the game cannot be recorded.
@@ -134,8 +136,8 @@ class StudyGames:
         setting = setting_of_trial(self._design, self._settings, run, step)
         if setting is None:
             return None
-        bag, attempt = self._folder.bag(run.participant, step.number), run.begun.get(step.number, 1)
-        if attempt > 1:
+        bag, attempt = self._folder.bag(group or run.participant, step.number), run.begun.get(step.number, 1)
+        if attempt > 1 and not group:
             # The log contains the path of the earlier attempt's recording.
             bag = bag.with_stem(f"{bag.stem}-attempt-{attempt}")
         log = _inputs_of(bag)
@@ -148,15 +150,16 @@ class StudyGames:
             for left in moved_aside(bag):
                 watcher.cut_off(left)
             options = self._options(step, setting.study.rate, bag)
+            keeps_part = bool(group)
             try:
                 observer = GameObserver()
-                ended = await self._play(setting, options, watcher, observer.record)
+                ended = await self._play(setting, options, watcher, observer.record, keeps_part=keeps_part)
             except GameDiffers:
                 # The log of inputs is from another release or another version of the study, so the game cannot resume.
                 make_room(bag)
                 _break_off(log, bag, earlier, watcher)
                 observer = GameObserver()
-                ended = await self._play(setting, options, watcher, observer.record)
+                ended = await self._play(setting, options, watcher, observer.record, keeps_part=keeps_part)
         except OSError as error:
             raise BadFile(bag, f"cannot be recorded ({reason_of(error)})", "Free disk space") from None
         if ended is None:
@@ -184,8 +187,13 @@ class StudyGames:
         options: PlayOptions,
         watcher: GameWatcher,
         record: Callable[[TickRecord], None],
+        *,
+        keeps_part: bool = False,
     ) -> tuple[HuntOutcome, GamePace] | None:
-        """Play a game and record each tick; return None if the game did not reach its end."""
+        """Play a game and record each tick.
+
+        If the game does not reach its end, return its outcome so far if `keeps_part` is True, and None otherwise.
+        """
         over_at, last = 0, int(options.max_seconds * TICKS_PER_SECOND)
         meter = PaceMeter()
         warned = ended = False
@@ -217,7 +225,7 @@ class StudyGames:
         except HuntUnfinished as early:
             if early.stopped:
                 raise KioskStopped from None
-            return (early.outcome, meter.pace()) if warned else None
+            return (early.outcome, meter.pace()) if warned or keeps_part else None
         return outcome, meter.pace()
 
 

@@ -56,6 +56,10 @@ class RunOver(Exception):  # noqa: N818 - nothing went wrong with the program
     """The run of the person at the window has ended or is excluded."""
 
 
+class StepOver(Exception):  # noqa: N818 - nothing went wrong with the program
+    """The person's step has ended meanwhile, and the log has its end."""
+
+
 class Woken:
     """Message about a change outside the window."""
 

@@ -5,9 +5,14 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.experiment.allocation.places import NoPlace
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.design.lobby import LeavingRule
+from thbridge.experiment.design.plan import PlannedStep, study_of_game
 from thbridge.experiment.design.steps import PracticeTerm, StepKind
-from thbridge.experiment.progress import Run
+from thbridge.experiment.progress import Progress, Run
 from thbridge.experiment.store.events import JsonValue, RunState, StepOutcome
+from thbridge.hunt.seats import label_of
+from thbridge.study.seats import seats_of
 from ui.model.kiosk import (
     ConsentToAsk,
     FormToFill,
@@ -111,6 +116,22 @@ def result(texts: Texts, game: Mapping[str, JsonValue] | None) -> str:
     return f"{why}{texts.text('kiosk.your_score', score=str(game['score']))}\n\n{ready}"
 
 
+def result_of_group(texts: Texts, progress: Progress, participant: str, step: PlannedStep) -> str:
+    """Return the text about the result of a person's game, which is the game of a group if the person has a seat."""
+    run, group = progress.runs[participant], progress.group_game(participant, step)
+    ends = progress.design.file.lobby.leaving is LeavingRule.END
+    if group is None or run.game is None or run.game.get("over") or not (ends and group.has_absent):
+        return result(texts, run.game)
+    ready, score = texts.text("kiosk.go_on_when_ready"), str(run.game["score"])
+    return f"{texts.text('kiosk.person_left')} {texts.text('kiosk.your_score', score=score)}\n\n{ready}"
+
+
+def seat_label(design: ExperimentDesign, run: Run, step: PlannedStep) -> str:
+    """Return the words for the seat of a person in the game of a step."""
+    study = study_of_game(design, run.place, step)
+    return label_of(() if study is None else seats_of(study.seats), run.seats[step.number].seat)
+
+
 def results(texts: Texts, games: Sequence[tuple[int, int | None]]) -> str:
     """Return sentences of a debriefing about each game: its score, and the best possible score if it is known."""
     paragraphs = []
@@ -142,6 +163,8 @@ def farewell(texts: Texts, run: Run) -> tuple[str, str]:
     kept = texts.text("kiosk.kept_under_code", code=run.participant)
     match run.state:
         # A code proves that the person reached the end, even if the run does not count.
+        case _ if run.unmatched:
+            return texts.text("kiosk.no_group"), texts.text("kiosk.no_group_text")
         case _ if run.code:
             return thanks, texts.text("kiosk.completed")
         case RunState.DECLINED:

@@ -122,6 +122,11 @@ class BrowserWindow:
         return self.absence == 0.0 and any(isinstance(message, GameToJoin) for message in self._kept)
 
     @property
+    def is_connected(self) -> bool:
+        """True while the browser is connected."""
+        return self._gone_at is None
+
+    @property
     def absence(self) -> float:
         """Seconds since the browser was last connected; 0 while it is connected."""
         return 0.0 if self._gone_at is None else time.monotonic() - self._gone_at

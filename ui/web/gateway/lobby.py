@@ -5,7 +5,6 @@ from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
-from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.matching import MatchedGame, Matching
 
 
@@ -103,7 +102,7 @@ class ServedLobby:
 async def await_place(
     lobby: ServedLobby,
     person: str,
-    window: BrowserWindow,
+    is_here: Callable[[], bool],
     show: Callable[[Callable[[], bool]], Awaitable[bool]],
     is_closed: Callable[[], bool],
 ) -> tuple[WaitEnd, MatchedGame | None]:
@@ -112,12 +111,12 @@ async def await_place(
     Args:
         lobby: the lobby.
         person: key of the person.
-        window: browser of the person.
+        is_here: function that returns True while the person's browser is connected.
         show: function that shows the waiting page until its argument returns True; it returns False if the person stops
             waiting.
         is_closed: function that returns True after no further games start.
     """
-    lobby.enter(person, lambda: window.absence == 0.0)
+    lobby.enter(person, is_here)
     try:
         waits = await show(lambda: is_closed() or lobby.look(person) != (None, False))
         game, has_ended = lobby.look(person)

@@ -1,8 +1,8 @@
 """Games of a study in workers, as a person's course through the study sees them."""
 
 import asyncio
-from collections.abc import Callable, Mapping
-from contextlib import AsyncExitStack, suppress
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
@@ -13,7 +13,7 @@ from thbridge.app.consent import ParticipantDeclined
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.progress import Run
-from thbridge.experiment.store.events import EventKind, JsonValue
+from thbridge.experiment.store.events import EventKind, JsonValue, RunState
 from thbridge.files.errors import BadFile
 from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.kiosk import words
@@ -22,6 +22,7 @@ from ui.hosting.kiosk.pages import KioskPages
 from ui.model.kiosk import GamePrepared, TextToRead
 from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.game_queue import LONGEST_WAIT, GameQueue
+from ui.web.gateway.group_games import GroupGames
 from ui.web.gateway.waiting import await_turn, pause
 from ui.web.pool.messages import (
     FromWorker,
@@ -37,7 +38,7 @@ from ui.web.pool.messages import (
     TimeIsUp,
     WorkerResult,
 )
-from ui.web.pool.pool import MOST_DEATHS, DeathCount, WorkerDied, WorkerPool
+from ui.web.pool.pool import MOST_DEATHS, DeathCount, HostedGame, WorkerDied, WorkerPool
 from ui.web.pool.study_game import StudyGame
 
 LATE = 3.0
@@ -61,23 +62,34 @@ class PooledGames:
         folder: folder of the study.
         pool: pool of workers.
         queue: queue of people who wait for a game.
+        groups: games of groups.
         window: browser of the person.
         pages: pages of the person.
     """
 
     def __init__(
-        self, folder: Path, pool: WorkerPool, queue: GameQueue, window: BrowserWindow, pages: KioskPages
+        self,
+        folder: Path,
+        pool: WorkerPool,
+        queue: GameQueue,
+        groups: GroupGames,
+        window: BrowserWindow,
+        pages: KioskPages,
     ) -> None:
         self._folder = folder
         self._pool = pool
         self._queue = queue
+        self._groups = groups
         self._window = window
         self._pages = pages
 
     async def practise(self, run: Run, step: PlannedStep, watcher: GameWatcher) -> PlayedPractice:
-        """See `StudyGames`."""
+        """See `StudyGames`. A group plays one practice game, also if it does not reach all goals."""
+        if self._groups.has(run, step):
+            played = cast("dict[str, dict[str, JsonValue]]", await self._play_together(step, watcher))
+            return PlayedPractice(played["data"], {})
         key = f"{game_key(run, step)}-practice"
-        result = await self._play(key, StudyGame(self._folder, run, step, True, False, ""), watcher)
+        result = await self._play(key, StudyGame(self._folder, run, step, True, False, {"": ""}), watcher)
         self._pool.games.forget(key)
         played = cast("dict[str, dict[str, JsonValue]]", result)
         missing = {PracticeTerm(term): cast(float, number) for term, number in played["missing"].items()}
@@ -86,12 +98,46 @@ class PooledGames:
     async def play(
         self, run: Run, step: PlannedStep, watcher: GameWatcher, *, goes_on: bool
     ) -> dict[str, JsonValue] | None:
-        """See `StudyGames`."""
+        """See `StudyGames`. The runner of a group's game logs it, so its entry is not returned."""
+        if self._groups.has(run, step):
+            await self._play_together(step, watcher)
+            if self._pages.run.state is RunState.UNDER_WAY and self._pages.run.game is None:
+                await self._groups.pass_over(self._pages, step)
+            return None
         key = game_key(run, step)
         if not goes_on:
             await self._pool.end(key)
-        result = await self._play(key, StudyGame(self._folder, run, step, False, goes_on, run.agreed_at), watcher)
+        request = StudyGame(self._folder, run, step, False, goes_on, {"": run.agreed_at})
+        result = await self._play(key, request, watcher)
         return cast("dict[str, JsonValue] | None", result)
+
+    async def _play_together(self, step: PlannedStep, watcher: GameWatcher) -> JsonValue:
+        """Play the game of the person's group until it has ended, or the person's run; return the worker's result."""
+        pages = self._pages
+        group = await self._groups.join(pages, step, lambda: self._window.is_connected)
+        seat, has_died = group.seat_of(pages.person), False
+
+        def seen(message: FromWorker) -> None:
+            if isinstance(message, SeatSeenOver):
+                group.note_seen_over()
+
+        while not group.is_over:
+            request = await group.request()
+            receive = self._receiver(group.key, watcher, DeathCount(), seen)
+            entering = self._pool.enter(group.key, request, self._window.show, receive, seat)
+            try:
+                async with self._shown(entering, watcher, comes_back=has_died) as (ending, leaving):
+                    # The others may play on after the person has left.
+                    await asyncio.wait((ending, leaving), return_when=asyncio.FIRST_COMPLETED)
+                    if ending.done():
+                        await ending
+                        await _process_last(watcher)
+                break
+            except WorkerDied:
+                has_died = True  # The runner of the game counts the deaths.
+        if pages.run.state is not RunState.UNDER_WAY:
+            return None
+        return await group.ended()
 
     async def _play(self, key: str, request: StudyGame, watcher: GameWatcher) -> JsonValue:
         """Play a game, or continue one that is running; if its worker dies, another one resumes it."""
@@ -140,9 +186,21 @@ class PooledGames:
             await self._pages.show(GamePrepared(0, texts.text("kiosk.game_comes")))
 
     async def _play_once(self, key: str, request: StudyGame, watcher: GameWatcher, deaths: DeathCount) -> WorkerResult:
+        entering = self._pool.enter(key, request, self._window.show, self._receiver(key, watcher, deaths))
+        async with self._shown(entering, watcher, comes_back=request.goes_on) as (ending, _):
+            ended = await ending
+            await _process_last(watcher)
+            return ended
+
+    def _receiver(
+        self, key: str, watcher: GameWatcher, deaths: DeathCount, seen: Callable[[FromWorker], None] | None = None
+    ) -> Callable[[FromWorker], None]:
+        """Return the function that receives the messages of a game's worker; `seen` also receives them."""
         loop = asyncio.get_running_loop()
 
-        def news(message: FromWorker) -> None:
+        def receive(message: FromWorker) -> None:
+            if seen is not None:
+                seen(message)
             match message:
                 case GameReady():
                     # The browser is connected through the worker, not through the text server.
@@ -170,26 +228,35 @@ class PooledGames:
                 case _:
                     pass
 
-        entering = self._pool.enter(key, request, self._window.show, news)
-        late = asyncio.create_task(self._say_when_late(comes_back=request.goes_on))
+        return receive
+
+    @asynccontextmanager
+    async def _shown(
+        self, entering: AbstractAsyncContextManager[HostedGame], watcher: GameWatcher, *, comes_back: bool
+    ) -> AsyncIterator[tuple[asyncio.Task[WorkerResult], asyncio.Task[None]]]:
+        """Show a game inside this context. Yield a task that ends with the game, and one that ends when the person
+        leaves it.
+
+        Args:
+            entering: connection to the game.
+            watcher: host of the person.
+            comes_back: True if the person has seen the game before.
+        """
+        late = asyncio.create_task(self._say_when_late(comes_back=comes_back))
         async with AsyncExitStack() as stack:
             try:
                 game = await stack.enter_async_context(entering)
             finally:
                 late.cancel()
             self._window.play(game)
-            looking = asyncio.create_task(_look(watcher, game.leave))
+            tasks = asyncio.create_task(game.ended()), asyncio.create_task(_look(watcher, game.leave))
             try:
-                ended = await game.ended()
-                # The last messages, for example that the person continues, reach the person's course first.
-                await asyncio.sleep(LOOK)
-                watcher.has_left()
-                return ended
+                yield tasks
             finally:
                 self._window.play(None)
-                looking.cancel()
-                with suppress(asyncio.CancelledError):
-                    await looking
+                for task in tasks:
+                    task.cancel()
+                await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _say_when_late(self, *, comes_back: bool) -> None:
         """Show the person after a while that their interrupted game comes back."""
@@ -201,6 +268,12 @@ class PooledGames:
 def game_key(run: Run, step: PlannedStep) -> str:
     """Return the key of a person's game at a step; each attempt at a step has its own game."""
     return f"{run.participant}-{step.number}-{run.begun.get(step.number, 1)}"
+
+
+async def _process_last(watcher: GameWatcher) -> None:
+    """Let the last messages, for example that the person continues, reach the person's course."""
+    await asyncio.sleep(LOOK)
+    watcher.has_left()
 
 
 async def _look(watcher: GameWatcher, leave: Callable[[], None]) -> None:

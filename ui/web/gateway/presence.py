@@ -37,6 +37,17 @@ class PersonHere:
     pages: KioskPages
 
 
+def absence_of(here: PersonHere | None, began: float, now: float) -> float:
+    """Return for how many seconds a person has been absent.
+
+    Args:
+        here: the person; None if they have not opened the study since the gateway was started.
+        began: monotonic time of this start.
+        now: monotonic time now.
+    """
+    return now - (began if here is None else here.visitor.present_at)
+
+
 class PresenceWatch:
     """Watch over all people of a study who take part in browsers, also those whose browsers have not come back yet.
 
@@ -78,8 +89,8 @@ class PresenceWatch:
     def _look(self, run: Run, now: float) -> None:
         participant = run.participant
         here = self._here.get(participant)
-        present_at = self._began if here is None else here.visitor.present_at
-        absence = now - present_at
+        absence = absence_of(here, self._began, now)
+        present_at = now - absence
         if absence < NOTICED:
             if (since := self._absent.pop(participant, None)) is not None:
                 self._tell(EventKind.PRESENT, run, here, {"seconds": round(present_at - since, 1)})

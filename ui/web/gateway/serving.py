@@ -193,7 +193,8 @@ async def serve_study(
         watching = asyncio.create_task(PresenceWatch(design.file.presence, conductor, visits.here, report_to_all).run())
         try:
             visitors = Visitors(visits.visit, visits.window, entry, visits.greet, begins_again=True)
-            await serve_visitors(visitors, visits.texts, options, drain, desk)
+            async with visits.groups.opened():
+                await serve_visitors(visitors, visits.texts, options, drain, desk)
         finally:
             watching.cancel()
             await asyncio.gather(watching, return_exceptions=True)

@@ -241,7 +241,9 @@ class SingleGames:
         while True:
             self._agreed[person] = agreed_at
             try:
-                end, _ = await await_place(self._lobby, person, window, show, lambda: self._queue.is_closed)
+                end, _ = await await_place(
+                    self._lobby, person, lambda: window.is_connected, show, lambda: self._queue.is_closed
+                )
             finally:
                 self._agreed.pop(person, None)
             match end:

@@ -5,6 +5,7 @@ import contextlib
 import time
 from collections.abc import Callable
 from contextvars import ContextVar
+from dataclasses import replace
 from pathlib import Path
 
 from thbridge.app.compose.setting import texts_of
@@ -29,9 +30,10 @@ from ui.model.kiosk import HostStops, ResearcherMessage, StudyTexts, TextToRead,
 from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.entry import LinkEntry
 from ui.web.gateway.game_queue import GameQueue
+from ui.web.gateway.group_games import GroupGames
 from ui.web.gateway.people import Visitor
 from ui.web.gateway.pooled_games import PooledGames, game_key
-from ui.web.gateway.presence import NOTICED, PersonHere
+from ui.web.gateway.presence import NOTICED, PersonHere, absence_of
 from ui.web.gateway.waiting import await_turn, pause
 from ui.web.page.desk_page import PersonNow
 from ui.web.pool.pool import WorkerPool
@@ -68,6 +70,7 @@ class StudyVisits:
 
     Attributes:
         here: people who have opened the study since the gateway was started, by their ids.
+        groups: games of groups.
     """
 
     def __init__(
@@ -91,6 +94,12 @@ class StudyVisits:
         self._report = report
         conductor.listeners.append(self._forget_result)
         self.here: dict[str, PersonHere] = {}
+        began = time.monotonic()
+
+        def absent(participant: str) -> float:
+            return absence_of(self.here.get(participant), began, time.monotonic())
+
+        self.groups = GroupGames(folder, design, conductor, pool, queue, absent, report)
         self.texts: Texts = texts_of(design.study, design.beside).in_browser()
 
     def _forget_result(self, logged: LoggedEvent) -> None:
@@ -109,7 +118,20 @@ class StudyVisits:
 
     def people_now(self) -> dict[str, PersonNow]:
         """Return the browsers of people, by their ids."""
-        return {participant: _now(person) for participant, person in self.here.items()}
+        return {participant: self._now(participant, person) for participant, person in self.here.items()}
+
+    def _now(self, participant: str, person: PersonHere) -> PersonNow:
+        visitor, window, progress = person.visitor, person.visitor.window, self._conductor.progress
+        is_away = time.monotonic() - visitor.present_at > NOTICED
+        connection = "gone" if visitor.live is None else "away" if is_away else "here"
+        watch = command("watch", f"{LOCALHOST}:{window.watch_port}") if window.watch_port else ""
+        now = PersonNow(connection, visitor.round_trip, person.pages.lag, window.plays, watch, window.watch_host)
+        waited, run, step = self.groups.waited.get(participant), progress.runs[participant], None
+        if run.state is RunState.UNDER_WAY:
+            step = progress.next_step(participant)
+        if step is None or step.number not in run.seats:
+            return replace(now, waited=None if waited is None else int(waited))
+        return replace(now, game=run.seats[step.number].group, seat=words.seat_label(self._design, run, step))
 
     async def show_message(self, participant: str, text: str) -> None:
         """Show a message of the researcher to a person, who may see it only when they come back."""
@@ -137,7 +159,7 @@ class StudyVisits:
         window = visitor.window
         await window.send(StudyTexts(GameTexts.of(self.texts)))
         pages = KioskPages(self._conductor, window, self.texts)
-        games = PooledGames(self._folder, self._pool, self._queue, window, pages)
+        games = PooledGames(self._folder, self._pool, self._queue, self.groups, window, pages)
         course = StudyCourse(self._design, self._conductor, pages, games, self._clock)
         listening = asyncio.create_task(pages.listen())
         try:
@@ -228,12 +250,3 @@ class StudyVisits:
             admitted = self._conductor.admit(entry.external_id, entry.parameters, FrontEnd.BROWSER)
             if not isinstance(admitted, NoPlace):
                 return admitted
-
-
-def _now(person: PersonHere) -> PersonNow:
-    visitor = person.visitor
-    is_away = time.monotonic() - visitor.present_at > NOTICED
-    connection = "gone" if visitor.live is None else "away" if is_away else "here"
-    window = visitor.window
-    watch = command("watch", f"{LOCALHOST}:{window.watch_port}") if window.watch_port else ""
-    return PersonNow(connection, visitor.round_trip, person.pages.lag, window.plays, watch, window.watch_host)

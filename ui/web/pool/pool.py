@@ -27,6 +27,8 @@ from ui.web.pool.messages import (
     GatewayHello,
     PersonLeft,
     ResultKept,
+    SeatFilled,
+    SeatResumed,
     ToBrowser,
     ToWorker,
     WatchWanted,
@@ -153,6 +155,14 @@ class HostedGame:
         """Note that the person has left, or that all people of the game have left; then the game ends."""
         self._send(PersonLeft(everybody))
 
+    def fill(self, seat: str) -> None:
+        """Let a program take a seat."""
+        self._send(SeatFilled(seat))
+
+    def resume(self, seat: str) -> None:
+        """Let the person of a seat replace the program in it."""
+        self._send(SeatResumed(seat))
+
     def confirm(self) -> None:
         """Confirm to the worker that its result is kept."""
         self._send(ResultKept())
@@ -276,7 +286,7 @@ class WorkerPool:
         request: GameRequest,
         shown: Callable[[str], None],
         news: Callable[[FromWorker], None],
-        seat: str = "",
+        seat: str | None = "",
     ) -> AsyncIterator[HostedGame]:
         """Connect to the worker that plays a game, for the person in one of its seats; if there is none, start one.
 
@@ -288,7 +298,7 @@ class WorkerPool:
             request: the game.
             shown: function that receives messages for the browser.
             news: function that receives all other messages.
-            seat: name of the person's seat; empty in a game with one participant.
+            seat: name of the person's seat; empty in a game with one participant. If None, no person is there.
 
         Raises:
             WorkerDied: the worker could not be started, or died before the connection.

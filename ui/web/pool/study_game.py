@@ -1,4 +1,4 @@
-"""Game of a study with people: a trial or a practice game of one person."""
+"""Game of a study with people: a trial or a practice game of one person or of a group."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -22,15 +22,17 @@ PASSED_PERIOD = 0.5
 
 @dataclass(frozen=True, slots=True)
 class StudyGame:
-    """Game of a person in a study; see `GameRequest`.
+    """Game of a person or a group in a study; see `GameRequest`.
 
     Attributes:
         folder: folder of the study.
-        run: run of the person.
+        run: run of the person, or of a person of the group.
         step: step of the game.
         practice: True for a practice game.
         goes_on: True to resume a game that an earlier worker began.
-        agreed_at: time at which the person gave consent; empty if they were not asked.
+        consents: see `GameRequest`.
+        group: id of the group; empty for a game with one participant.
+        programs: see `GameRequest`.
         once: True because another step follows.
     """
 
@@ -39,13 +41,10 @@ class StudyGame:
     step: PlannedStep
     practice: bool
     goes_on: bool
-    agreed_at: str
+    consents: Mapping[str, str]
+    group: str = ""
+    programs: frozenset[str] = frozenset()
     once: bool = True
-
-    @property
-    def consents(self) -> Mapping[str, str]:
-        """See `GameRequest`."""
-        return {"": self.agreed_at}
 
     def texts(self) -> Texts:
         """See `GameRequest`."""
@@ -61,7 +60,7 @@ class StudyGame:
             count = await games.practise(self.run, self.step, watcher)
             missing: dict[str, Json] = {str(term): number for term, number in count.missing.items()}
             return {"data": tree(count.data), "missing": missing}
-        return tree(await games.play(self.run, self.step, watcher, goes_on=self.goes_on))
+        return tree(await games.play(self.run, self.step, watcher, goes_on=self.goes_on, group=self.group))
 
 
 class _PeopleWatcher:

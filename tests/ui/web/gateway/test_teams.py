@@ -203,14 +203,3 @@ def test_a_killed_server_brings_each_person_back_to_their_seat(tmp_path: Path) -
     with ServedProgram(study, "--games", "1", "--bags", str(bags), recorded=bags) as server:
         asyncio.run(asyncio.wait_for(run(server), 280))
     assert len([*bags.glob("*.bag")]) == 1
-
-
-def test_a_study_with_people_whose_games_have_seats_is_refused_before_anything_starts(tmp_path: Path) -> None:
-    base = ", ".join(line.strip() for line in TEAM_TEXT.splitlines()[:4])
-    seats = "[{name: north, robots: [1]}, {name: south, robots: [2]}]"
-    steps = "steps: [{step: trial, name: game, max_seconds: 40}]"
-    text = f"title: Team\nconsent_elsewhere: People agreed before.\nbase: {{{base}, seats: {seats}}}\n{steps}\n"
-    (tmp_path / "experiment.yaml").write_text(text)
-    refused = run_thbridge(tmp_path, "serve", ".", "--port", "0")
-    assert refused.returncode == 2
-    assert "its games have several people" in refused.stderr
