@@ -13,7 +13,7 @@ from thbridge.app.consent import ParticipantDeclined
 from thbridge.app.listeners import StartupCallbacks
 from thbridge.app.play import HuntOutcome, HuntUnfinished, PlayOptions
 from thbridge.app.session.session import TickRecord
-from thbridge.hunt.seats import label_of
+from thbridge.hunt.seats import seat_named
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
@@ -31,6 +31,7 @@ from ui.hosting.players import teammates_of
 from ui.hosting.window_process import WINDOW, WindowProcess
 from ui.model.lobby import LOBBY, Offer
 from ui.model.playing.rules_sheet import rules_lines
+from ui.model.playing.seat_words import seat_in_common, seat_sentences
 
 PRACTICE = Study(map="practice", templates="practice", robots=1)
 """Study of the practice game: a map with a hall and two rooms, and treasures that no other set has."""
@@ -54,29 +55,34 @@ def offer_of(setting: StudySetting, given: bool, languages: Mapping[str, str] | 
         setting: setting of the game; `participant: robots` of its study gives the numbers of robots.
         given: True if an option sets the number of robots. This number is then the only choice.
         languages: languages that the participant may choose, by name. If None, the study determines the language.
-        seat: name of the participant's seat; empty in a game with one participant.
+        seat: name of the participant's seat. If it is empty in a game with several, the rules hold for all seats.
     """
     study = setting.study
     game, consent = study.game, setting.consent or ""
+    seats, texts = seats_of(study.seats), setting.texts
+    own = seat_named(seats, seat) or seat_in_common(seats)
     rules = rules_lines(
         setting.texts,
         picture_cost=game.picture_cost,
         identify_cost=game.identify_cost,
         energy=game.energy,
-        wrong_share=game.wrong_share if study.participant.shows.points else None,
+        wrong_share=game.wrong_share if study.participant.shows.points and own.sees_score else None,
         by_position=setting.by_position,
         properties=setting.set_words.properties,
+        seat=own,
     )
     if study.participant.robots is None or given:
         least = most = study.robots
     else:
         least, most = study.participant.robots
     usual = min(max(study.robots, least), most)
-    seats = seats_of(study.seats)
-    if seats:
-        others = setting.texts.listed(each.label for each in seats if each.name != seat)
-        rules = (setting.texts.text("pages.your_seat", seat=label_of(seats, seat), others=others), *rules)
-    return Offer(setting.texts, least, most, usual, rules, consent, languages or {})
+    others = texts.listed(each.label for each in seats if each.name != seat) if seats else ""
+    if seats and seat:
+        you_are = texts.text("pages.your_seat", seat=own.label, others=others)
+        rules = (f"{you_are} {seat_sentences(texts, own)}", *rules)
+    elif seats:
+        rules = (texts.text("seats.depends", seats=others), *rules)
+    return Offer(texts, least, most, usual, rules, consent, languages or {})
 
 
 @dataclass(slots=True)

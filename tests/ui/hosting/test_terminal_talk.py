@@ -22,7 +22,10 @@ def typed(hunt, line):
 
 
 def test_the_game_begins_with_who_commands_whom(hunt):
-    begin = hunt.terminal.lines.index("You are the namer. You command no robot.")
+    begin = hunt.terminal.lines.index(
+        "You are the namer. You command no robot. You may name treasures, take over robots, end the game early"
+        " and stop all robots."
+    )
     assert hunt.terminal.lines[begin + 1] == "The driver commands robot 1 and robot 2."
 
 

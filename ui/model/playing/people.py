@@ -20,6 +20,7 @@ from ui.model.playing.screen import (
     SayToPeopleAct,
     WriteText,
 )
+from ui.model.playing.seat_words import seat_sentences
 from ui.model.playing.words import clock_words
 
 
@@ -179,10 +180,8 @@ def people_at_start(texts: Texts, view: View) -> Iterator[str]:
         robots = robots_of(view, seat, own=seat is team.own)
         if seat is not team.own:
             yield texts.text("people.they_are", who=seat.label, commands=commands_words(texts, robots))
-        elif robots:
-            yield texts.text("people.you_are", who=seat.label, which=_listed(texts, robots))
         else:
-            yield texts.text("people.you_are_without", who=seat.label)
+            yield f"{texts.text('people.you_are', who=seat.label)} {seat_sentences(texts, seat, robots)}"
 
 
 def people_changes(texts: Texts, before: TeamView | None, team: TeamView | None) -> Iterator[str]:

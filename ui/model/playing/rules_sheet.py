@@ -5,8 +5,10 @@ from typing import Literal
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.properties import Teller, TreasureProperty
+from thbridge.hunt.seats import ONE_SEAT, Seat
 from thbridge.roles.shared.view import View
-from ui.model.playing.seat_view import sees_energy, sees_score
+from ui.model.playing.people import robots_of
+from ui.model.playing.seat_words import seat_sentences
 from ui.model.playing.words import percent
 
 
@@ -14,7 +16,7 @@ def rules_of(texts: Texts, view: View) -> tuple[str, ...]:
     """Return the rules, with the numbers of a game that the participant may know."""
     # Column 0 is the corridor; robots cannot be sent there.
     moves = [cost for row in view.costs for cost in row[1:] if cost is not None]
-    return rules_lines(
+    rules = rules_lines(
         texts,
         picture_cost=view.picture_cost,
         identify_cost=view.identify_cost,
@@ -23,9 +25,11 @@ def rules_of(texts: Texts, view: View) -> tuple[str, ...]:
         by_position=view.by_position,
         properties=view.properties,
         has_last_word=view.has_last_word,
-        shows_energy=sees_energy(view),
-        shows_score=sees_score(view),
+        seat=ONE_SEAT if view.team is None else view.team.own,
     )
+    if view.team is None:
+        return rules
+    return seat_sentences(texts, view.team.own, robots_of(view, view.team.own, own=True)), *rules
 
 
 def rules_lines(
@@ -39,10 +43,9 @@ def rules_lines(
     by_position: bool = False,
     properties: Sequence[TreasureProperty] = (),
     has_last_word: Literal["both", "participant", "robot"] | None = None,
-    shows_energy: bool = True,
-    shows_score: bool = True,
+    seat: Seat = ONE_SEAT,
 ) -> tuple[str, ...]:
-    """Return the rules with the numbers of a study.
+    """Return the rules with the numbers of a study, as far as a seat may do and see what they are about.
 
     Args:
         texts: texts of the players' language.
@@ -55,22 +58,20 @@ def rules_lines(
             `moves` are then the costs between rooms.
         properties: properties of treasures.
         has_last_word: the side that decides in the end if robots argue; None if robots do not argue.
-        shows_energy: False if the participant does not see energy and costs.
-        shows_score: False if the participant does not see the score and points.
+        seat: the seat of the participant.
     """
     start = "" if energy is None else f"{texts.text('rules.start', energy=energy)} "
     decision = () if has_last_word is None else (texts.text(f"rules.decision_of_{has_last_word}"),)
     costs = f"{start}{_costs(texts, picture_cost, identify_cost, moves, by_position=by_position)}"
-    unseen = "" if shows_score else f" {texts.text('seats.rules_score')}"
     return (
         texts.text("rules.goal"),
-        costs if shows_energy else texts.text("seats.costs"),
-        *_more(texts, properties, shows_energy=shows_energy),
-        f"{texts.text('rules.right')} {_wrong(texts, wrong_share)}{unseen}",
+        costs if seat.sees_energy else texts.text("seats.costs"),
+        *_more(texts, properties, seat),
+        f"{texts.text('rules.right')} {_wrong(texts, wrong_share)}",
         *decision,
         texts.text("rules.one_visit"),
         texts.text("rules.called_back"),
-        texts.text("rules.end"),
+        texts.text("rules.end" if seat.ends_game else "seats.end"),
     )
 
 
@@ -86,21 +87,21 @@ def _costs(texts: Texts, picture: float, naming: float, moves: tuple[float, floa
     )
 
 
-def _more(texts: Texts, properties: Sequence[TreasureProperty], *, shows_energy: bool) -> Iterator[str]:
+def _more(texts: Texts, properties: Sequence[TreasureProperty], seat: Seat) -> Iterator[str]:
     """Yield sentences about properties of treasures that a robot does not sense on arrival."""
     measured = [
         texts.clause("rules.sensed_one", property=texts.noun(each.label), cost=each.cost)
-        if shows_energy
+        if seat.sees_energy
         else texts.clause("seats.sensed_one", property=texts.noun(each.label))
         for each in properties
         if each.is_measured
     ]
     if measured:
-        yield texts.text("rules.sensed" if shows_energy else "seats.sensed", properties=texts.listed(measured))
+        yield texts.text("rules.sensed" if seat.sees_energy else "seats.sensed", properties=texts.listed(measured))
     told = [
         texts.clause("rules.told_one", property=texts.noun(each.label))
         for each in properties
-        if each.told_by is Teller.PERSON
+        if each.told_by is Teller.PERSON and seat.names_treasures
     ]
     if told:
         yield texts.text("rules.told", properties=texts.listed(told))

@@ -29,6 +29,7 @@ from ui.model.kiosk import (
     TurnToAwait,
     WentOn,
 )
+from ui.model.playing.seat_words import seat_sentences
 from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.entry import LinkEntry
 from ui.web.gateway.game_queue import LONGEST_WAIT, GameQueue
@@ -114,8 +115,8 @@ class SingleGames:
         self._games: dict[str, ServedGame] = {}
         # Times of consent of the people in the lobby.
         self._agreed: dict[str, str] = {}
-        self._labels = {seat.name: seat.label for seat in seats_of(study.seats)}
-        matching = MatchByArrival(tuple(self._labels), lambda: f"{SHARED_GAME}{secrets.token_hex(_DIGEST // 2)}")
+        self._seats = {seat.name: seat for seat in seats_of(study.seats)}
+        matching = MatchByArrival(tuple(self._seats), lambda: f"{SHARED_GAME}{secrets.token_hex(_DIGEST // 2)}")
         self._lobby = ServedLobby(matching, self._begin_game, lambda: queue.spare)
         for key, group in pool.games.groups():
             self._add(key, self._request(Path(group.bag), group.consents), group.people)
@@ -138,12 +139,12 @@ class SingleGames:
             if before is None:
                 return
             page, agreed_at = before
-            if not self._labels:
+            if not self._seats:
                 await self._await_turn(window, person, page)
             elif not await self._await_others(window, person, page, agreed_at):
                 return
             page += 1
-        if not self._labels:
+        if not self._seats:
             self._add(person, self._request(self._new_bag(), {"": agreed_at}), {"": person})
         await self._play(window, self._games[person], person, page)
 
@@ -178,7 +179,7 @@ class SingleGames:
         return TextToRead(page, texts.text("window.title"), rules, texts.text("start.begin", count=offer.usual))
 
     def _has_begun(self, person: str) -> bool:
-        if self._labels:
+        if self._seats:
             return person in self._games
         return self._pool.games.is_running(person) or self._pool.games.result(person) is not None
 
@@ -264,7 +265,8 @@ class SingleGames:
         texts, key, seat = self.texts, game.key, game.people[person]
         prepared = texts.text("pages.preparing", count=self._study.robots)
         if seat:
-            prepared = texts.text("web.others_found", seat=self._labels[seat])
+            own = self._seats[seat]
+            prepared = f"{texts.text('web.others_found', seat=own.label)} {seat_sentences(texts, own)}"
         await window.send(GamePrepared(page, prepared))
         game.windows[person] = window
         went_on, deaths = asyncio.Event(), DeathCount()

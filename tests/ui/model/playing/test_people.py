@@ -41,7 +41,8 @@ def test_the_panel_shows_who_is_there_and_commands_which_robots(hunt):
 
 def test_the_history_begins_with_who_commands_whom(hunt):
     assert hunt.people["scout"].history[1:4] == [
-        "You are the scout. You command robot 3.",
+        "You are the scout. You command robot 3. You may name treasures and end the game early."
+        " You may not take over robots.",
         "The driver commands robot 1 and robot 2.",
         "The namer commands no robot.",
     ]

@@ -1,10 +1,15 @@
 """Rules in sentences, with the numbers of a game."""
 
+from pathlib import Path
+
 import msgspec.structs as structs
 import pytest
 
 from tests.support.hunts.participant_views import view
 from thbridge.files.language_texts import shipped_texts
+from thbridge.study.study_file import load_study
+from ui.command_line.settings import setting_of
+from ui.hosting.games import offer_of
 from ui.model.playing.rules_sheet import rules_lines, rules_of
 
 
@@ -45,3 +50,43 @@ def test_before_a_game_it_is_told_what_moves_priced_by_position_cost_energy_for(
 
 def test_what_is_left_for_good_is_what_the_participant_sends_a_robot_on_from() -> None:
     assert "When you send the robot on, a treasure that you have not named is left for good." in sheet()
+
+
+SEATS = """
+robots: 2
+seats:
+  - {name: driver, robots: [1, 2], names_treasures: false, sees_energy: false, stops: none}
+  - {name: namer, takes_over: false, ends_game: false, sees_map: false, sees_score: false, sees_dialogues: own}
+"""
+
+
+def offered(tmp_path: Path, seat: str) -> tuple[str, ...]:
+    file = tmp_path / "study.yaml"
+    file.write_text(SEATS, encoding="utf-8")
+    return offer_of(setting_of(load_study(file).value, file), given=True, seat=seat).rules
+
+
+def test_the_start_page_names_the_rights_of_a_seat_and_no_amount_that_it_does_not_see(tmp_path: Path) -> None:
+    you, *rules = offered(tmp_path, "driver")
+    assert you == (
+        "In this game, you are the driver. You play together with the namer. You command robot 1 and robot 2. "
+        "You may take over robots and end the game early. You may not name treasures or stop robots. "
+        "You do not see the energy of the robots."
+    )
+    assert "A move, a picture and a name cost energy." in rules
+    assert not any("starts with" in rule for rule in rules)
+    you, *rules = offered(tmp_path, "namer")
+    assert you == (
+        "In this game, you are the namer. You play together with the driver. You command no robot. "
+        "You may name treasures. You may not take over robots or end the game early. "
+        "You do not see the map, the score or what robots and other people say to each other."
+    )
+    assert any("Each robot starts with" in rule for rule in rules)
+    assert not any("end it earlier" in rule for rule in rules)
+
+
+def test_before_the_seats_are_known_the_rules_hold_for_all_of_them(tmp_path: Path) -> None:
+    first, *rules = offered(tmp_path, "")
+    assert first.startswith("These people play this game together: the driver and the namer.")
+    assert not any("starts with" in rule or "In this game, you are" in rule for rule in rules)
+    assert any("end it earlier" in rule for rule in rules)
