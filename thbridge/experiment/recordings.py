@@ -6,7 +6,7 @@ from pathlib import Path
 
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Progress, Run
-from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent, RunState
+from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent, NewEvent, RunState
 from thbridge.recording.recordings import ACTIVE
 
 _PART = re.compile(r"_[0-9]+(?=\.bag$)")
@@ -27,6 +27,13 @@ def _run_of_group(progress: Progress, group: str) -> Run | None:
     return next((progress.runs[person] for each in people for person in each if person in progress.runs), None)
 
 
+def _folder_of(progress: Progress, event: NewEvent) -> str:
+    """Return the name of the folder with the recordings of an event's game: the id of the group or of the person."""
+    run = progress.runs.get(event.participant)
+    seat = None if run is None else run.seats.get(event.step)
+    return event.participant if seat is None else seat.group
+
+
 def told_leftovers(study: ExperimentFolder, progress: Progress, entries: Iterable[LogEntry]) -> Iterator[str]:
     """Yield a sentence about each incomplete recording of a person in the log.
 
@@ -38,7 +45,7 @@ def told_leftovers(study: ExperimentFolder, progress: Progress, entries: Iterabl
     events = [entry.event for entry in entries if isinstance(entry, LoggedEvent)]
     whole = {str((event.data or {})["bag"]) for event in events if event.kind == EventKind.GAME_PLAYED}
     why = {
-        (event.participant, str((event.data or {})["bag"])): event.kind
+        (_folder_of(progress, event), str((event.data or {})["bag"])): event.kind
         for event in events
         if event.kind in {EventKind.RECORDING_CUT_OFF, EventKind.GAME_BROKEN_OFF}
     }

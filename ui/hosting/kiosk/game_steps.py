@@ -103,8 +103,7 @@ class GameSteps:
             done = await self._at_game(visit, self._games.practise(self._pages.run, step, visit))
             self._conductor.tell(EventKind.PRACTICE_PLAYED, self._pages.person, step, done.data, "program")
             if not visit.went_on:
-                ended = self._pages.texts.text("kiosk.practice_ended")
-                await self._read_result(visit, GameRecorded(0, ended, words.result(self._pages.texts, None)))
+                await self._read_result(visit, self._result("kiosk.practice_ended", step))
             if not done.missing:
                 return
             if game + 1 < MOST_PRACTICE:
@@ -122,8 +121,12 @@ class GameSteps:
             if game is not None:
                 self._conductor.tell(EventKind.GAME_PLAYED, self._pages.person, step, game, "program")
         if not visit.went_on:
-            text = words.result_of_group(self._pages.texts, self._conductor.progress, self._pages.person, step)
-            await self._read_result(visit, GameRecorded(0, self._pages.texts.text("kiosk.game_ended"), text))
+            await self._read_result(visit, self._result("kiosk.game_ended", step))
+
+    def _result(self, heading: str, step: PlannedStep) -> GameRecorded:
+        texts, progress = self._pages.texts, self._conductor.progress
+        text = words.result_of_group(texts, progress, self._pages.person, step)
+        return GameRecorded(0, texts.text(heading), text)
 
     async def _at_game(self, visit: "_Visit", game: Coroutine[object, object, PlayedT]) -> PlayedT:
         """Play a game to its end, unless the run or the program ends first."""

@@ -120,10 +120,10 @@ def result_of_group(texts: Texts, progress: Progress, participant: str, step: Pl
     """Return the text about the result of a person's game, which is the game of a group if the person has a seat."""
     run, group = progress.runs[participant], progress.group_game(participant, step)
     ends = progress.design.file.lobby.leaving is LeavingRule.END
-    if group is None or run.game is None or run.game.get("over") or not (ends and group.has_absent):
+    if group is None or not (ends and group.has_absent) or (run.game or {}).get("over"):
         return result(texts, run.game)
-    ready, score = texts.text("kiosk.go_on_when_ready"), str(run.game["score"])
-    return f"{texts.text('kiosk.person_left')} {texts.text('kiosk.your_score', score=score)}\n\n{ready}"
+    score = "" if run.game is None else f" {texts.text('kiosk.your_score', score=str(run.game['score']))}"
+    return f"{texts.text('kiosk.person_left')}{score}\n\n{texts.text('kiosk.go_on_when_ready')}"
 
 
 def seat_label(design: ExperimentDesign, run: Run, step: PlannedStep) -> str:
