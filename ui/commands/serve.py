@@ -1,5 +1,6 @@
 """`thbridge serve`: games and studies in browsers, for many people at once."""
 
+import os
 import secrets
 import socket
 from functools import partial
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ui.command_line.options import OpenTo, Scheduler
+from ui.command_line.options import ColourScheme, LookOption, OpenTo, Scheduler
 from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note
 
 if TYPE_CHECKING:
@@ -17,9 +18,13 @@ if TYPE_CHECKING:
     from contextlib import AbstractAsyncContextManager
 
     from thbridge.study.study_file import Study
+    from ui.hosting.window_process import WindowProcess
+    from ui.model.kiosk import FromKiosk, ToKiosk
     from ui.web.gateway.serving import ServerOptions
     from ui.web.pool.pool import RemoteHosts
 
+INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
 GAMES_PER_CORE = 6
 """Games of three robots with which 95 % of all acts have their effect on the page within 0.1 s; see
 `scripts/measure_browser_games.py`."""
@@ -63,6 +68,18 @@ def serve(
             "X-Forwarded-Proto are used. Can be repeated.",
         ),
     ] = None,
+    kiosk: Annotated[
+        bool,
+        typer.Option(
+            "--kiosk",
+            help="Also open the window of `thbridge study run` on this machine, where one person after another takes "
+            "part in the same study.",
+        ),
+    ] = False,
+    windowed: Annotated[
+        bool, typer.Option("--windowed", help="With --kiosk: use a window instead of the full screen.")
+    ] = False,
+    look: LookOption = ColourScheme.SYSTEM,
     drain: Annotated[
         bool,
         typer.Option("--drain", help="Ask the server of this folder to start no games, and to end after its games."),
@@ -89,6 +106,7 @@ def serve(
     from ui.web.gateway.draining import drain as drain_server
     from ui.web.pool.running_games import RunningGames
     from ui.web.pool.worker import GATEWAY_TIMEOUT
+    from ui.windows.display import why_no_window
 
     is_study = served is not None and served.is_dir()
     recorded = bags if served is None or not is_study else served
@@ -115,6 +133,14 @@ def serve(
         bags = bags.absolute()
     check_networks("--open-to", open_to or ())
     check_networks("--proxy", proxy or ())
+    if kiosk and not is_study:
+        fail(BAD_INPUT, "--kiosk needs a study with people. Name its folder, or use `thbridge play` for a study file.")
+    if kiosk and games == 0:
+        fail(BAD_INPUT, "--games 0: games of the person at the kiosk need this machine. Write at least 1.")
+    if windowed and not kiosk:
+        fail(BAD_INPUT, "--windowed belongs to --kiosk. Give both, or neither.")
+    if kiosk and (why := why_no_window()) is not None:
+        fail(BAD_INPUT, why)
     if (tls_cert is None) != (tls_key is None):
         fail(BAD_INPUT, "--tls-cert and --tls-key belong together. Give both, or neither.")
     with bad_input():
@@ -166,7 +192,12 @@ def serve(
         lock = running.lock_server(recorded)
     with lock:
         if served is not None and is_study:
-            _serve_folder(served, options, begin)
+            window = None
+            if kiosk:
+                from ui.commands.study.run import kiosk_process
+
+                window = kiosk_process(served, look.value, windowed=windowed)
+            _serve_folder(served, options, begin, window)
             return
         study = study_of(served, {})
         note_doubts(setting_of(study, served))
@@ -184,7 +215,10 @@ def serve(
 
 
 def _serve_folder(
-    folder: Path, options: "Callable[[Study, Path | None], ServerOptions]", begin: "Callable[[], None]"
+    folder: Path,
+    options: "Callable[[Study, Path | None], ServerOptions]",
+    begin: "Callable[[], None]",
+    window: "WindowProcess[ToKiosk, FromKiosk] | None",
 ) -> None:
     from thbridge.experiment.check import read_for_people
     from thbridge.experiment.conductor import Conductor
@@ -194,6 +228,7 @@ def _serve_folder(
     from thbridge.experiment.store.event_log import ExperimentLog
     from thbridge.files.disk.synced import make_folder
     from ui.command_line.event_loop import run
+    from ui.commands.study.run import STAYS_OPEN
     from ui.commands.study.unfinished import finish_begun_withdrawals
     from ui.web.gateway.serving import serve_study
     from ui.web.gateway.study_visits import VisitClock
@@ -213,7 +248,16 @@ def _serve_folder(
         conductor.listeners.append(markers.push)
         for trouble in markers.troubles:
             note(trouble)
-        run(serve_study(place, design, conductor, clock, note, chosen, codes))
+        code = 0
+        try:
+            run(serve_study(place, design, conductor, clock, note, chosen, codes, window))
+        except (KeyboardInterrupt, typer.Exit) as ended:
+            if window is None or not window.left_open:
+                raise
+            code = ended.exit_code if isinstance(ended, typer.Exit) else INTERRUPTED
+        if window is not None and window.left_open:
+            note(STAYS_OPEN)
+            os._exit(code)  # The usual end of the interpreter would also end the window.
 
 
 def _remote_hosts(

@@ -204,7 +204,11 @@ class ShownWindow:
         else:
             reactions = list(self._person.react(message))
         for each in reactions:
-            self._said.put_nowait(KIOSK.decode_from_window(KIOSK.encode(each)))
+            self.say(each)
+
+    def say(self, message: FromKiosk) -> None:
+        """Send a message to the host."""
+        self._said.put_nowait(KIOSK.decode_from_window(KIOSK.encode(message)))
 
     def leave_open(self) -> None:
         self.left_open = True

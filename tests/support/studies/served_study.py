@@ -12,6 +12,7 @@ from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.recruiting import link_codes
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.event_log import ExperimentLog
+from ui.hosting.kiosk.pages import WindowOfKiosk
 from ui.web.gateway.serving import ServerOptions, serve_study
 from ui.web.gateway.study_visits import VisitClock
 from ui.web.pool.running_games import RunningGames
@@ -19,11 +20,11 @@ from ui.web.pool.running_games import RunningGames
 
 @asynccontextmanager
 async def served(
-    folder: Path, running: RunningGames | None = None, **changes: object
+    folder: Path, running: RunningGames | None = None, window: WindowOfKiosk | None = None, **changes: object
 ) -> AsyncIterator[tuple[int, Conductor]]:
     """Serve the study in a folder; yield the port and the conductor. Games outlive the server if `running` is given.
 
-    `changes` are changes of the gateway's options.
+    `window` is the window on this machine, if there is one. `changes` are changes of the gateway's options.
     """
     place, clock = ExperimentFolder(folder), VisitClock()
     design = place.read()
@@ -35,7 +36,9 @@ async def served(
         options = ServerOptions(listening, 2, None, ready.set, running=running)
         options = replace(options, **changes)  # type: ignore[arg-type]
         problems: list[str] = []
-        serving = asyncio.create_task(serve_study(place, design, conductor, clock, problems.append, options, codes))
+        serving = asyncio.create_task(
+            serve_study(place, design, conductor, clock, problems.append, options, codes, window)
+        )
         await asyncio.wait([serving, asyncio.create_task(ready.wait())], return_when=asyncio.FIRST_COMPLETED)
         try:
             yield listening.getsockname()[1], conductor

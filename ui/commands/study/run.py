@@ -31,6 +31,9 @@ from ui.hosting.window_process import WindowProcess
 from ui.model.kiosk import KIOSK, FromKiosk, ToKiosk
 from ui.windows.display import why_no_window
 
+STAYS_OPEN = "A participant is in the middle of the study. The window stays open; close it with Ctrl+Alt+Shift+Q."
+"""Sentence about a window that outlives its program."""
+
 
 def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: tuple[str, ...] = ()) -> None:
     """Run the kiosk of a study until the window is closed or the program is stopped.
@@ -48,7 +51,7 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
         design = read_for_people(place)
         if design.has_groups:
             problem = "the kiosk is for one person at a time, but games of this study have several people"
-            remedy = "Delete `seats`, or let simulated people take part: thbridge study rehearse"
+            remedy = f"Add people in browsers: {command('serve', '--kiosk', folder)}"
             raise BadFile(design.path, problem, remedy, key="base.seats")
         for study in chain.from_iterable(cell.studies for cell in design.cells):
             check_doors(study)
@@ -60,7 +63,7 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
     with bad_input():
         make_folder(place.log.parent)
         log = ExperimentLog(place.log)
-    window, code = _window(folder, look, program, windowed=windowed), 0
+    window, code = kiosk_process(folder, look, program, windowed=windowed), 0
     try:
         with log, MarkerStream(design.file.title, wanted=design.file.markers) as markers, bad_input(FAILED):
             conductor = Conductor(design, log, markers.stamping(clock), secrets.randbelow)
@@ -87,14 +90,17 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
         code = failed.exit_code
     with suppress(OSError):  # The terminal may be gone.
         if window.left_open:
-            note("A participant is in the middle of the study. The window stays open; close it with Ctrl+Alt+Shift+Q.")
+            note(STAYS_OPEN)
         note(f"Resume the study with `{command('study', 'run', folder)}`.")
     if window.left_open:
         os._exit(code)
     raise typer.Exit(code)
 
 
-def _window(folder: Path, look: str, program: tuple[str, ...], *, windowed: bool) -> WindowProcess[ToKiosk, FromKiosk]:
+def kiosk_process(
+    folder: Path, look: str, program: tuple[str, ...] = (), *, windowed: bool
+) -> WindowProcess[ToKiosk, FromKiosk]:
+    """Return the process of the kiosk's window, which is not open yet; see `run_study`."""
     options = ("--hosted", "--look", look, *(["--windowed"] if windowed else []))
     return WindowProcess(program or (*THBRIDGE, "study", "run", str(folder), *options), KIOSK)
 

@@ -177,9 +177,10 @@ class _Visit:
 
     def ready(self, where: ListeningAddress) -> None:
         agreed_at = "" if self._practice else self._pages.run.agreed_at
-        address = WILDCARD_ADDRESSES.get(where.host, where.host)
+        address, run = WILDCARD_ADDRESSES.get(where.host, where.host), self._pages.run
+        seat = run.seats[run.step].seat if run.step in run.seats else ""
         self.page = self._send(
-            GameToJoin(0, address, where.port, self._token, self._practice, agreed_at, to_do=self._to_do)
+            GameToJoin(0, address, where.port, self._token, self._practice, agreed_at, to_do=self._to_do, seat=seat)
         )
 
     def passed(self, seconds: float, lag: float, left: float) -> None:

@@ -20,6 +20,7 @@ from ui.model.kiosk import (
     ToKiosk,
     WentOn,
 )
+from ui.web.gateway.players_window import PlayersWindow
 from ui.web.page.messages import FROM_GAME_PAGE, leads_on
 from ui.web.page.patches import Json
 from ui.web.page.study_page import StudyPageMaker
@@ -29,7 +30,7 @@ GAME_MESSAGES = ('{"t":"painted"', '{"t":"act"', '{"t":"key"')
 """Beginnings of messages that concern the page of a game; they are passed on unchanged."""
 
 
-class BrowserWindow:
+class BrowserWindow(PlayersWindow):
     """Window of one person, which lives as long as their visit; their browser may come and go.
 
     It implements `WindowOfKiosk`.
@@ -40,19 +41,15 @@ class BrowserWindow:
     Attributes:
         has_place: True while the person has a place in the study or plays a game. A visitor without a place may be
             forgotten.
-        watch_port: TCP port for `thbridge watch`; 0 if the person's game cannot be watched.
-        watch_host: machine of this port; empty for this machine.
     """
 
     def __init__(self, texts: Texts) -> None:
+        super().__init__()
         self.has_place = False
-        self.watch_port, self.watch_host = 0, ""
-        self._watched = False
         self._maker = StudyPageMaker(texts)
         self._kept: list[ToKiosk] = []
         self._requests: asyncio.Queue[FromKiosk] = asyncio.Queue()
         self._send_text: Callable[[str], None] | None = None
-        self._game: HostedGame | None = None
         self._game_page = 0
         self._gone_at: float | None = time.monotonic()
 
@@ -86,11 +83,9 @@ class BrowserWindow:
 
     def play(self, game: HostedGame | None) -> None:
         """Connect the browser to this game, whose page is `GameToJoin`. If None, disconnect it."""
-        self._game, self.watch_port = game, 0
         if game is not None and self._send_text is not None:
             game.join()
-        if game is not None and self._watched:
-            game.watch()
+        super().play(game)
 
     def note_seen_over(self) -> None:
         """Report to the study that the browser shows the end of the game."""
@@ -104,17 +99,6 @@ class BrowserWindow:
         """Pass on a message of the game to the browser."""
         if self._send_text is not None:
             self._send_text(text)
-
-    @property
-    def plays(self) -> bool:
-        """True while the person has a game."""
-        return self._game is not None
-
-    def watch_game(self) -> None:
-        """Let researchers' windows connect to the person's game, and to the person's next games."""
-        self._watched = True
-        if self._game is not None:
-            self._game.watch()
 
     @property
     def shows_game(self) -> bool:

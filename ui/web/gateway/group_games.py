@@ -31,7 +31,7 @@ from ui.web.gateway.matching import MatchedGame, Matches
 from ui.web.gateway.waiting import await_turn, pause
 from ui.web.pool.messages import FromWorker, GamePassed, WorkerResult
 from ui.web.pool.pool import MOST_DEATHS, DeathCount, HostedGame, WorkerDied, WorkerPool
-from ui.web.pool.study_game import StudyGame
+from ui.web.pool.study_game import StudyGame, seats_at_windows
 
 LOOK = 0.5
 """Seconds between two looks at the people of a game."""
@@ -240,6 +240,7 @@ class GroupRunner:
             goes_on=not practice and not (comes_back and self._step.entry.resume is not ResumeRule.EXACT),
             consents={seat: "" if practice else run.agreed_at for seat, run in runs.items()},
             group=game.group,
+            windows=seats_at_windows(runs),
             programs=frozenset(
                 seat for seat, holder in game.began.items() if holder is SeatHolder.PROGRAM and seat not in runs
             ),

@@ -20,9 +20,9 @@ from ui.hosting.kiosk import words
 from ui.hosting.kiosk.games import GameWatcher
 from ui.hosting.kiosk.pages import KioskPages
 from ui.model.kiosk import GamePrepared, TextToRead
-from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.game_queue import LONGEST_WAIT, GameQueue
 from ui.web.gateway.group_games import GroupGames
+from ui.web.gateway.players_window import PlayersWindow
 from ui.web.gateway.waiting import await_turn, pause
 from ui.web.pool.messages import (
     FromWorker,
@@ -39,7 +39,7 @@ from ui.web.pool.messages import (
     WorkerResult,
 )
 from ui.web.pool.pool import MOST_DEATHS, DeathCount, HostedGame, WorkerDied, WorkerPool
-from ui.web.pool.study_game import StudyGame
+from ui.web.pool.study_game import StudyGame, seats_at_windows
 
 LATE = 3.0
 """Seconds without a worker after which the person sees that their game will come back."""
@@ -63,7 +63,7 @@ class PooledGames:
         pool: pool of workers.
         queue: queue of people who wait for a game.
         groups: games of groups.
-        window: browser of the person.
+        window: browser or window of the person.
         pages: pages of the person.
     """
 
@@ -73,7 +73,7 @@ class PooledGames:
         pool: WorkerPool,
         queue: GameQueue,
         groups: GroupGames,
-        window: BrowserWindow,
+        window: PlayersWindow,
         pages: KioskPages,
     ) -> None:
         self._folder = folder
@@ -89,7 +89,8 @@ class PooledGames:
             played = cast("dict[str, dict[str, JsonValue]]", await self._play_together(step, watcher))
             return PlayedPractice(played["data"], {})
         key = f"{game_key(run, step)}-practice"
-        result = await self._play(key, StudyGame(self._folder, run, step, True, False, {"": ""}), watcher)
+        request = StudyGame(self._folder, run, step, True, False, {"": ""}, windows=seats_at_windows({"": run}))
+        result = await self._play(key, request, watcher)
         self._pool.games.forget(key)
         played = cast("dict[str, dict[str, JsonValue]]", result)
         missing = {PracticeTerm(term): cast(float, number) for term, number in played["missing"].items()}
@@ -107,7 +108,8 @@ class PooledGames:
         key = game_key(run, step)
         if not goes_on:
             await self._pool.end(key)
-        request = StudyGame(self._folder, run, step, False, goes_on, {"": run.agreed_at})
+        windows = seats_at_windows({"": run})
+        request = StudyGame(self._folder, run, step, False, goes_on, {"": run.agreed_at}, windows=windows)
         result = await self._play(key, request, watcher)
         return cast("dict[str, JsonValue] | None", result)
 
@@ -181,7 +183,7 @@ class PooledGames:
                 heading, text = words.headed(texts, "game_not_awaited", "web")
                 await self._pages.read(TextToRead(0, heading, text, button=texts.text("web.wait_again")))
         if queue.is_closed:
-            await pause(self._window, texts)
+            await pause(self._pages.window, texts)
         if self._pages.number != prepared:
             await self._pages.show(GamePrepared(0, texts.text("kiosk.game_comes")))
 
@@ -202,9 +204,9 @@ class PooledGames:
             if seen is not None:
                 seen(message)
             match message:
-                case GameReady():
-                    # The browser is connected through the worker, not through the text server.
-                    watcher.ready(ListeningAddress("", 0))
+                case GameReady(host, port):
+                    # A browser is connected through the worker, not through the text server.
+                    watcher.ready(ListeningAddress(host, port))
                 case GameWatched(port):
                     self._window.watch_port, self._window.watch_host = port, self._pool.games.remote_host(key)
                 case SeatSeenOver():

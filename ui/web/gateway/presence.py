@@ -13,6 +13,7 @@ from thbridge.experiment.progress import Run
 from thbridge.experiment.store.events import EventKind, FrontEnd, JsonValue
 from thbridge.files.errors import BadFile
 from ui.hosting.kiosk.pages import KioskPages
+from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.people import Visitor
 
 LOOK_PERIOD = 1.0
@@ -35,6 +36,11 @@ class PersonHere:
 
     visitor: Visitor
     pages: KioskPages
+
+    @property
+    def window(self) -> BrowserWindow:
+        """Browser of the person."""
+        return self.visitor.window
 
 
 def absence_of(here: PersonHere | None, began: float, now: float) -> float:

@@ -8,7 +8,7 @@ import secrets
 import socket
 import ssl
 import tempfile
-from collections.abc import AsyncIterator, Callable, Iterable, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Iterator
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass, field
 from ipaddress import IPv4Network
@@ -25,6 +25,7 @@ from thbridge.sockets.admission import OWN_MACHINE, Admission, parse_network
 from thbridge.sockets.keys import KeyVerifier, SingleKey
 from thbridge.sockets.listening import BACKLOG, ServerDoor
 from thbridge.study.study_file import Study
+from ui.hosting.kiosk.pages import WindowOfKiosk
 from ui.web.gateway.app import application
 from ui.web.gateway.connections import LONGEST_HEAD, LONGEST_MESSAGE, MOST_CONNECTIONS, ConnectionGate, HttpConnection
 from ui.web.gateway.desk import DeskSockets, ServedDesk
@@ -46,9 +47,16 @@ CLOSING_SECONDS = 5
 class _Server(uvicorn.Server):
     """Server that accepts connections as the other servers do, and limits them."""
 
-    def __init__(self, config: uvicorn.Config, options: "ServerOptions", limits: ClientLimits) -> None:
+    def __init__(
+        self,
+        config: uvicorn.Config,
+        options: "ServerOptions",
+        limits: ClientLimits,
+        closing: Callable[[], Awaitable[None]] | None,
+    ) -> None:
         super().__init__(config)
         self.servers = []
+        self._closing = closing
         self._options = options
         self._door = ServerDoor(MOST_CONNECTIONS)
         self._gate = ConnectionGate(
@@ -74,6 +82,8 @@ class _Server(uvicorn.Server):
         self._door.close()
         await self._door.wait_closed()
         await super().shutdown(None)
+        if self._closing is not None:
+            await self._closing()
 
     def _connection(self) -> HttpConnection:
         return HttpConnection(self._gate, self.config, self.server_state)
@@ -164,6 +174,7 @@ async def serve_study(
     report: Callable[[str], None],
     options: ServerOptions,
     codes: LinkCodes | None = None,
+    window: WindowOfKiosk | None = None,
 ) -> None:
     """Take visitors through a study until stopped.
 
@@ -175,6 +186,7 @@ async def serve_study(
         report: function that receives sentences about problems.
         options: options of the gateway.
         codes: codes that admit people; if None, no code is needed.
+        window: window on this machine, at which people take part as well; None for none.
     """
     tickets = place.tickets
     entry = StudyEntry(design.file.recruiting, codes, conductor, tickets, place.withdrawn_links.read())
@@ -194,7 +206,11 @@ async def serve_study(
         try:
             visitors = Visitors(visits.visit, visits.window, entry, visits.greet, begins_again=True)
             async with visits.groups.opened():
-                await serve_visitors(visitors, visits.texts, options, drain, desk)
+                if window is None:
+                    await serve_visitors(visitors, visits.texts, options, drain, desk)
+                    return
+                async with visits.kiosk_opened(window) as kiosk:
+                    await serve_visitors(visitors, visits.texts, options, drain, desk, kiosk.close)
         finally:
             watching.cancel()
             await asyncio.gather(watching, return_exceptions=True)
@@ -206,6 +222,7 @@ async def serve_visitors(
     options: ServerOptions,
     drain: DrainPort | None = None,
     desk: ServedDesk | None = None,
+    closing: Callable[[], Awaitable[None]] | None = None,
 ) -> None:
     """Serve visitors, and the researcher if there is a desk, until stopped.
 
@@ -215,6 +232,7 @@ async def serve_visitors(
         options: options of the gateway.
         drain: port for requests to end after the games; None for none.
         desk: desk of the researcher; None if there is none.
+        closing: function that is called when the server is stopped, before a signal can end the program; None for none.
     """
     limits = ClientLimits()
     config = uvicorn.Config(
@@ -234,7 +252,7 @@ async def serve_visitors(
     )
     logging.getLogger("uvicorn.error").addFilter(_is_fault)
     forgetting = asyncio.create_task(visitors.forget_idle())
-    server = _Server(config, options, limits)
+    server = _Server(config, options, limits, closing)
 
     def end() -> None:
         server.should_exit = True

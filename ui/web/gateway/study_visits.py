@@ -3,7 +3,7 @@
 import asyncio
 import contextlib
 import time
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
 from contextvars import ContextVar
 from dataclasses import replace
 from pathlib import Path
@@ -25,15 +25,17 @@ from ui.hosting.kiosk import words
 from ui.hosting.kiosk.course import StudyCourse
 from ui.hosting.kiosk.game_steps import StudyClock
 from ui.hosting.kiosk.games import KioskStopped
-from ui.hosting.kiosk.pages import KioskPages
+from ui.hosting.kiosk.pages import KioskPages, WindowOfKiosk
 from ui.model.kiosk import HostStops, ResearcherMessage, StudyTexts, TextToRead, WentOn
 from ui.web.gateway.browser_window import BrowserWindow
 from ui.web.gateway.entry import LinkEntry
 from ui.web.gateway.game_queue import GameQueue
 from ui.web.gateway.group_games import GroupGames
 from ui.web.gateway.people import Visitor
+from ui.web.gateway.players_window import PlayersWindow
 from ui.web.gateway.pooled_games import PooledGames, game_key
 from ui.web.gateway.presence import NOTICED, PersonHere, absence_of
+from ui.web.gateway.served_kiosk import ServedKiosk
 from ui.web.gateway.waiting import await_turn, pause
 from ui.web.page.desk_page import PersonNow
 from ui.web.pool.pool import WorkerPool
@@ -71,6 +73,7 @@ class StudyVisits:
     Attributes:
         here: people who have opened the study since the gateway was started, by their ids.
         groups: games of groups.
+        kiosk: window on this machine, at which people take part as well; None if there is none.
     """
 
     def __init__(
@@ -94,9 +97,12 @@ class StudyVisits:
         self._report = report
         conductor.listeners.append(self._forget_result)
         self.here: dict[str, PersonHere] = {}
+        self.kiosk: ServedKiosk | None = None
         began = time.monotonic()
 
         def absent(participant: str) -> float:
+            if self.kiosk is not None and participant == self.kiosk.person:
+                return 0.0
             return absence_of(self.here.get(participant), began, time.monotonic())
 
         self.groups = GroupGames(folder, design, conductor, pool, queue, absent, report)
@@ -114,18 +120,39 @@ class StudyVisits:
         """Return a window in the study's language."""
         return BrowserWindow(self.texts)
 
+    @contextlib.asynccontextmanager
+    async def kiosk_opened(self, window: WindowOfKiosk) -> AsyncIterator[ServedKiosk]:
+        """Lead people at this window through the study inside this context, one after the other."""
+        self.kiosk = ServedKiosk(
+            self._folder,
+            self._design,
+            self._conductor,
+            self._clock,
+            self._pool,
+            self._queue,
+            self.groups,
+            window,
+            self._report,
+        )
+        async with self.kiosk.opened():
+            yield self.kiosk
+
     # The researcher's side; see `PeopleHere`
 
     def people_now(self) -> dict[str, PersonNow]:
-        """Return the browsers of people, by their ids."""
-        return {participant: self._now(participant, person) for participant, person in self.here.items()}
+        """Return the browsers and the window of people, by their ids."""
+        people = {who: self._now(who, each.window, each.pages, *_connection(each)) for who, each in self.here.items()}
+        if self.kiosk is not None and self.kiosk.person:
+            who = self.kiosk.person
+            people[who] = self._now(who, self.kiosk.window, self.kiosk.pages, "here", None)
+        return people
 
-    def _now(self, participant: str, person: PersonHere) -> PersonNow:
-        visitor, window, progress = person.visitor, person.visitor.window, self._conductor.progress
-        is_away = time.monotonic() - visitor.present_at > NOTICED
-        connection = "gone" if visitor.live is None else "away" if is_away else "here"
+    def _now(
+        self, participant: str, window: PlayersWindow, pages: KioskPages, connection: str, round_trip: float | None
+    ) -> PersonNow:
+        progress = self._conductor.progress
         watch = command("watch", f"{LOCALHOST}:{window.watch_port}") if window.watch_port else ""
-        now = PersonNow(connection, visitor.round_trip, person.pages.lag, window.plays, watch, window.watch_host)
+        now = PersonNow(connection, round_trip, pages.lag, window.plays, watch, window.watch_host)
         waited, run, step = self.groups.waited.get(participant), progress.runs[participant], None
         if run.state is RunState.UNDER_WAY:
             step = progress.next_step(participant)
@@ -135,18 +162,23 @@ class StudyVisits:
 
     async def show_message(self, participant: str, text: str) -> None:
         """Show a message of the researcher to a person, who may see it only when they come back."""
-        if participant in self.here:
-            await self.here[participant].visitor.window.send(ResearcherMessage(text))
+        if (found := self._found(participant)) is not None:
+            await found.pages.window.send(ResearcherMessage(text))
 
     def wake(self, participant: str) -> None:
         """Make the course of a person look at their run again."""
-        if participant in self.here:
-            self.here[participant].pages.wake()
+        if (found := self._found(participant)) is not None:
+            found.pages.wake()
 
     def watch(self, participant: str) -> None:
         """Make the game of a person ready for `thbridge watch`."""
-        if participant in self.here:
-            self.here[participant].visitor.window.watch_game()
+        if (found := self._found(participant)) is not None:
+            found.window.watch_game()
+
+    def _found(self, participant: str) -> PersonHere | ServedKiosk | None:
+        """Return the browser or the kiosk of a person; None if they have not opened the study yet."""
+        is_at_kiosk = self.kiosk is not None and participant == self.kiosk.person
+        return self.kiosk if is_at_kiosk else self.here.get(participant)
 
     # The people's side
 
@@ -250,3 +282,10 @@ class StudyVisits:
             admitted = self._conductor.admit(entry.external_id, entry.parameters, FrontEnd.BROWSER)
             if not isinstance(admitted, NoPlace):
                 return admitted
+
+
+def _connection(person: PersonHere) -> tuple[str, float | None]:
+    """Return the connection of a person's browser, as in `PersonNow`, and its last round-trip time."""
+    visitor = person.visitor
+    is_away = time.monotonic() - visitor.present_at > NOTICED
+    return "gone" if visitor.live is None else "away" if is_away else "here", visitor.round_trip

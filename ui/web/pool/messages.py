@@ -45,6 +45,10 @@ class FromBrowser(msgspec.Struct, frozen=True, tag="browser"):
     text: str
 
 
+class WindowSeenOver(msgspec.Struct, frozen=True, tag="window seen over"):
+    """Gateway: the window of the person, who has no browser, shows the end of the game."""
+
+
 class WatchWanted(msgspec.Struct, frozen=True, tag="watch"):
     """Gateway: a researcher wants to watch the game with `thbridge watch`."""
 
@@ -82,7 +86,10 @@ class ToBrowser(msgspec.Struct, frozen=True, tag="show"):
 
 
 class GameReady(msgspec.Struct, frozen=True, tag="ready"):
-    """Worker: the game can be joined."""
+    """Worker: the game can be joined. A window joins it at this address of the worker's machine."""
+
+    host: str
+    port: int
 
 
 class GameWatched(msgspec.Struct, frozen=True, tag="watched"):
@@ -163,6 +170,7 @@ ToWorker: TypeAlias = (
     | BrowserLeft
     | FromBrowser
     | PersonLeft
+    | WindowSeenOver
     | WatchWanted
     | SeatFilled
     | SeatResumed

@@ -32,6 +32,7 @@ from ui.web.pool.messages import (
     ToBrowser,
     ToWorker,
     WatchWanted,
+    WindowSeenOver,
     WorkerResult,
     encode_line,
 )
@@ -146,6 +147,10 @@ class HostedGame:
     def pass_on(self, text: str) -> None:
         """Pass on a message of the browser."""
         self._send(FromBrowser(text))
+
+    def note_seen_over(self) -> None:
+        """Note that the window of a person without a browser shows the end of the game."""
+        self._send(WindowSeenOver())
 
     def watch(self) -> None:
         """Let researchers' windows connect to the game."""
@@ -346,8 +351,8 @@ class WorkerPool:
         self.games.forget(key)
 
     async def _start(self, key: str, request: GameRequest) -> None:
-        """Start a game where most room is."""
-        self._entered[key] = host = await self._roomiest()
+        """Start a game where most room is. A window joins only games on this machine."""
+        self._entered[key] = host = "" if request.windows else await self._roomiest()
         if self._remote is None or not host:
             await asyncio.to_thread(self._run, partial(work, request, self.games.folder, key))
             return

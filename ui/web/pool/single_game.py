@@ -43,6 +43,11 @@ class SingleGame:
     max_seconds: float
     once: bool = True
 
+    @property
+    def windows(self) -> frozenset[str]:
+        """See `GameRequest`. People play games of a study file in browsers."""
+        return frozenset()
+
     def texts(self) -> Texts:
         """See `GameRequest`."""
         return setting_of(self.study, self.file).texts

@@ -10,6 +10,7 @@ from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Run
+from thbridge.experiment.store.events import FrontEnd
 from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.kiosk.games import StudyGames
 from ui.web.page.patches import Json, tree
@@ -34,6 +35,7 @@ class StudyGame:
         group: id of the group; empty for a game with one participant.
         programs: see `GameRequest`.
         once: True because another step follows.
+        windows: see `GameRequest`.
     """
 
     folder: Path
@@ -45,6 +47,7 @@ class StudyGame:
     group: str = ""
     programs: frozenset[str] = frozenset()
     once: bool = True
+    windows: frozenset[str] = frozenset()
 
     def texts(self) -> Texts:
         """See `GameRequest`."""
@@ -99,3 +102,8 @@ class _PeopleWatcher:
 
     def cut_off(self, bag: Path) -> None:
         self._people.note(RecordingCutOff(str(bag)))
+
+
+def seats_at_windows(runs: Mapping[str, Run]) -> frozenset[str]:
+    """Return the names of the seats whose people take part at a window; `runs` are the runs of all seats."""
+    return frozenset(seat for seat, run in runs.items() if run.front_end == FrontEnd.WINDOW)

@@ -50,6 +50,7 @@ from ui.web.pool.messages import (
     SeatWentOn,
     ToBrowser,
     WatchWanted,
+    WindowSeenOver,
     WorkerResult,
     encode_line,
 )
@@ -119,6 +120,10 @@ class GameRequest(Protocol):
         The only seat of a game with one participant has an empty name.
         """
 
+    @property
+    def windows(self) -> frozenset[str]:
+        """Names of the seats whose people have a window, which joins the game itself, instead of a browser."""
+
     def texts(self) -> Texts:
         """Return the texts until the game has sent its own."""
 
@@ -185,9 +190,12 @@ class WorkerSeat:
         self._stream = 0
         self._gone_at = time.monotonic()
         self._reported: set[type[FromWorker]] = set()
+        self._window_seen_over = False
 
     def join(self, request: GameRequest, where: ListeningAddress, token: str) -> None:
-        """Seat the person at the game with this address."""
+        """Seat the person at the game with this address, unless their window joins the game itself."""
+        if self._name in request.windows:
+            return
         host = WILDCARD_ADDRESSES.get(where.host, where.host)
         agreed_at = request.consents[self._name]
         consent = GiveConsent(agreed_at) if agreed_at else None
@@ -241,8 +249,8 @@ class WorkerSeat:
 
     @property
     def has_seen_end(self) -> bool:
-        """True if the person's browser has shown the end of the game."""
-        return self._seat is not None and self._seat.seen_over
+        """True if the person's browser or window has shown the end of the game."""
+        return self._window_seen_over or (self._seat is not None and self._seat.seen_over)
 
     def receive(self, message: object) -> None:
         """Process a message of the gateway about the person."""
@@ -261,6 +269,9 @@ class WorkerSeat:
                 self._seat.receive(said)
             case PersonLeft():
                 self.left = True
+            case WindowSeenOver():
+                self._window_seen_over = True
+                self.gateway.note(SeatSeenOver())
             case _:
                 pass
 
@@ -410,7 +421,7 @@ class Worker:
         """See `PeopleInGame`."""
         for seat in self._seats.values():
             seat.join(self._request, where, self._address.token)
-        self.note(GameReady())
+        self.note(GameReady(WILDCARD_ADDRESSES.get(where.host, where.host), where.port))
 
     def have_left(self) -> bool:
         """See `PeopleInGame`."""

@@ -1,0 +1,74 @@
+"""A served study with a window on the server's machine: people at the window and in browsers take part in one study."""
+
+import asyncio
+from pathlib import Path
+
+import pytest
+
+from tests.support.programs.browser_client import BrowserClient
+from tests.support.studies.joining_window import JoiningWindow
+from tests.support.studies.kiosk_without_screen import TEXTS, Person, headings
+from tests.support.studies.served_study import served
+from tests.support.studies.study_events import data_of
+from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.store.events import EventKind, RunState
+
+STUDY = """\
+title: At a window and in browsers
+seed: 3
+base: {map: practice, templates: practice, robots: 1, rate: 10, server.port: 0}
+quota: 4
+steps:
+  - {step: consent, text: consent.txt}
+  - {step: trial, name: game, max_seconds: 300}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "consent.txt").write_text("This is the text of the consent.\n")
+    (tmp_path / "experiment.yaml").write_text(STUDY)
+    return tmp_path
+
+
+async def in_browser(port: int, playing: asyncio.Event) -> None:
+    """Go through the study in a browser; set `playing` when the game has begun."""
+    browser = await BrowserClient.arrived(port)
+    await browser.press_button()
+    await browser.until(lambda: browser.shown["t"] == "consent")
+    await asyncio.sleep(0.45)
+    await browser.send({"type": "ConsentReply", "page": browser.shown["page"], "agrees": True, "window_ns": 1})
+    await browser.until(lambda: browser.tree.get("phase") == "playing" and browser.tree["tiles"], 120)
+    playing.set()
+    await browser.end_game()
+    await browser.until(lambda: browser.shown["heading"] == TEXTS.text("kiosk.thank_you"))
+    await browser.close()
+
+
+async def at_window(conductor: Conductor) -> None:
+    """Wait until the person at the window has read the last page."""
+    async with asyncio.timeout(120):
+        while not any(run.farewell_read for run in conductor.progress.runs.values()):
+            await asyncio.sleep(0.05)
+
+
+def test_people_at_the_window_and_in_browsers_take_part_at_the_same_time(folder: Path) -> None:
+    person = Person()
+
+    async def run() -> tuple[Conductor, JoiningWindow]:
+        both_play = asyncio.Event()
+        window = JoiningWindow(person, 1, both_play)
+        async with served(folder, window=window) as (port, conductor):
+            await in_browser(port, both_play)
+            await at_window(conductor)
+        return conductor, window
+
+    conductor, window = asyncio.run(asyncio.wait_for(run(), 280))
+    runs = {run.front_end: run for run in conductor.progress.runs.values()}
+    assert {*runs} == {"window", "browser"}
+    assert [run.state for run in runs.values()] == [RunState.COMPLETE, RunState.COMPLETE]
+    (joined,) = window.joined
+    assert (joined.seat, joined.agreed_at) == ("", runs["window"].agreed_at) and joined.agreed_at
+    played = data_of(folder, EventKind.GAME_PLAYED)
+    assert len(played) == 2 and all((folder / str(each["bag"])).is_file() for each in played)
+    assert TEXTS.text("kiosk.thank_you") in headings(person)
