@@ -4,7 +4,6 @@ import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import TypeAlias
 
 from thbridge.app.compose.setting import texts_of
 from thbridge.experiment.conductor import Conductor
@@ -13,7 +12,6 @@ from thbridge.files.errors import BadFile
 from ui.hosting.kiosk.game_steps import StudyClock
 from ui.hosting.kiosk.host import KioskHost
 from ui.hosting.kiosk.pages import KioskPages, WindowOfKiosk
-from ui.hosting.window_process import WindowProcess
 from ui.model.kiosk import FromKiosk, GameSeenOver, ToKiosk
 from ui.web.gateway.game_queue import GameQueue
 from ui.web.gateway.group_games import GroupGames
@@ -21,15 +19,12 @@ from ui.web.gateway.players_window import PlayersWindow
 from ui.web.gateway.pooled_games import PooledGames
 from ui.web.pool.pool import WorkerPool
 
-KioskProcess: TypeAlias = WindowProcess[ToKiosk, FromKiosk]
-"""Process of the kiosk's window."""
-
 
 class KioskAtGateway(PlayersWindow):
     """Window on the server's machine, which joins games of the pool itself; it implements `WindowOfKiosk`.
 
     Args:
-        window: process of the window.
+        window: the window.
     """
 
     def __init__(self, window: WindowOfKiosk) -> None:
@@ -41,7 +36,7 @@ class KioskAtGateway(PlayersWindow):
         await self._window.send(message)
 
     async def next_request(self) -> FromKiosk:
-        """See `WindowOfKiosk`. The worker of the game learns that the window shows the end."""
+        """See `WindowOfKiosk`. If the window shows the end of a game, report it to the game's worker as well."""
         message = await self._window.next_request()
         if isinstance(message, GameSeenOver) and self._game is not None:
             self._game.note_seen_over()
