@@ -6,12 +6,17 @@ from pathlib import Path
 import pytest
 
 from tests.support.programs.browser_client import BrowserClient
+from tests.support.programs.processes import run_thbridge
 from tests.support.studies.joining_window import JoiningWindow
 from tests.support.studies.kiosk_without_screen import TEXTS, Person, headings
 from tests.support.studies.served_study import served
 from tests.support.studies.study_events import data_of
+from tests.support.studies.team_at_browsers import go_on, playing
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.store.events import EventKind, RunState
+from thbridge.recording.journal import journal_path, read_journal
+from thbridge.recording.recordings import journal_of
+from ui.model.kiosk import TurnToAwait
 
 STUDY = """\
 title: At a window and in browsers
@@ -72,3 +77,64 @@ def test_people_at_the_window_and_in_browsers_take_part_at_the_same_time(folder:
     played = data_of(folder, EventKind.GAME_PLAYED)
     assert len(played) == 2 and all((folder / str(each["bag"])).is_file() for each in played)
     assert TEXTS.text("kiosk.thank_you") in headings(person)
+
+
+TEAM = """\
+title: Three at a window and in browsers
+seed: 3
+base:
+  map: practice
+  templates: practice
+  robots: 2
+  rate: 10
+  seats:
+    - {name: north, label: the north, robots: [1], names_treasures: false}
+    - {name: south, label: the south, robots: [2], sees_map: false}
+    - {name: judge, label: the judge}
+  team: {agreement: {end: one}}
+quota: 6
+consent_elsewhere: People agreed before.
+steps:
+  - {step: trial, name: game, max_seconds: 300}
+"""
+
+
+async def beginning(port: int) -> BrowserClient:
+    """Return a browser whose person has begun the study, and waits for others or plays."""
+    browser = await BrowserClient.arrived(port)
+    await browser.press_button()
+    await browser.until(lambda: browser.shown["t"] in {"turn", "game"})
+    return browser
+
+
+@pytest.mark.slow
+def test_a_person_at_the_window_plays_in_one_game_with_people_in_browsers(tmp_path: Path) -> None:
+    (tmp_path / "experiment.yaml").write_text(TEAM)
+    person = Person()
+
+    async def run() -> tuple[Conductor, JoiningWindow]:
+        may_end = asyncio.Event()
+        window = JoiningWindow(person, 1, may_end)
+        async with served(tmp_path, window=window) as (port, conductor):
+            async with asyncio.timeout(60):
+                while not any(isinstance(page, TurnToAwait) for page in person.seen):
+                    await asyncio.sleep(0.05)
+            browsers = [await beginning(port), await beginning(port)]
+            await asyncio.gather(*map(playing, browsers))
+            may_end.set()  # The person at the window ends the game for all.
+            await asyncio.gather(*map(go_on, browsers), at_window(conductor))
+            for browser in browsers:
+                await browser.close()
+        return conductor, window
+
+    conductor, window = asyncio.run(asyncio.wait_for(run(), 280))
+    runs = [*conductor.progress.runs.values()]
+    assert [run.front_end for run in runs] == ["window", "browser", "browser"]
+    assert {run.state for run in runs} == {RunState.COMPLETE}
+    (group,) = conductor.progress.groups.values()
+    assert group.people == dict(zip(("north", "south", "judge"), (run.participant for run in runs), strict=True))
+    assert [game.seat for game in window.joined] == ["north"]
+    (bag,) = (tmp_path / "recordings").rglob("*.bag")
+    assert {str(each["bag"]) for each in data_of(tmp_path, EventKind.GAME_PLAYED)} == {str(bag.relative_to(tmp_path))}
+    assert read_journal(journal_path(journal_of(bag), 1)).state.ended is not None
+    assert run_thbridge(tmp_path, "replay", str(bag)).returncode == 0
