@@ -2,8 +2,9 @@
 
 import asyncio
 import http.client
+import math
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -28,16 +29,22 @@ class Manner:
     Attributes:
         people: properties of simulated people: their answers, and the probability that they drop out at a page.
         agrees: True if they agree to take part.
-        acts: number of acts in each game after which they end it.
+        acts: number of acts in each game.
+        ends: True if they end each game after these acts.
         reloads: probability that they load the page again.
         losses: probability that their connection breaks; their browser connects again.
+        reads: longest time for a page with a text, a consent or a form, seconds.
+        says: text that they send to the other people at the beginning of each game; empty for none.
     """
 
     people: SimulatedPeople = field(default_factory=SimulatedPeople)
     agrees: bool = True
     acts: int = 6
+    ends: bool = True
     reloads: float = 0.0
     losses: float = 0.0
+    reads: float = 0.0
+    says: str = ""
 
 
 class BrowserPerson:
@@ -48,35 +55,50 @@ class BrowserPerson:
         design: design of the study, from which they know the right answers.
         manner: their behavior.
         seed: random seed of all their choices.
+        query: parameters of their link.
 
     Attributes:
         browser: their browser.
+        manner: their behavior.
         given: last answer that they have given to each item of a form, by the step of the form.
         code: their completion code; empty before they have one.
+        ending: completion code for a recruiting service; empty before they have one.
         acts: names of all acts that they have done in games.
         pages: headings of the pages that they have seen, without repetitions.
         interruptions: number of reloads and lost connections.
         has_begun: True if they have had a place in the study.
+        waited: seconds for which they have waited for a place, for others or for a game.
+        seats: seats that they have had in games of several people.
+        heard: texts of all people in these games, also their own.
     """
 
-    def __init__(self, port: int, design: ExperimentDesign, manner: Manner, seed: int) -> None:
+    def __init__(self, port: int, design: ExperimentDesign, manner: Manner, seed: int, query: str = "") -> None:
         self.browser = BrowserClient(port)
         self.given: dict[str, dict[str, object]] = {}
-        self.code = ""
+        self.code = self.ending = ""
         self.acts: list[str] = []
         self.pages: list[str] = []
         self.interruptions = 0
         self.has_begun = False
+        self.waited = 0.0
+        self.seats: set[str] = set()
+        self.heard: set[str] = set()
+        self._query = query
+        self._waits_since = math.inf
         self._items = {(form.title, item.id): item for form in design.forms.values() for item in form.items}
-        self._manner = manner
+        self.manner = manner
         self._random = random.Random(seed)
-        self._left = 0
+        self._left = self._read = 0
         self._in_game = 0
 
     async def go_through(self) -> str:
         """Go through the study; return the heading of the last page."""
         await self.reload()
-        while True:
+        return await self.go_on()
+
+    async def go_on(self, until: Callable[[], object] = lambda: False) -> str:
+        """Go on from the present page until something happens, or to the end; return the heading of the last page."""
+        while not until():
             await self._stay_connected()
             shown = self._shown
             if shown["t"] in LAST_PAGES or (shown["t"] == "text" and not shown["button"]):
@@ -85,6 +107,7 @@ class BrowserPerson:
                 return self.pages[-1]
             with suppress(ConnectionClosed):
                 await self._react(shown)
+        return self.pages[-1] if self.pages else ""
 
     async def reload(self) -> None:
         """Load the page, or load it again; try until the server answers."""
@@ -92,12 +115,26 @@ class BrowserPerson:
             await self.browser.close()
             self.browser.study.clear()
             self.browser.tree = {}
-            self._left = 0
+            self._left = self._read = 0
             with suppress(OSError, InvalidHandshake, http.client.HTTPException):
-                await asyncio.to_thread(self.browser.load)
+                await asyncio.to_thread(self.browser.load, self._query)
                 await self.browser.open()
                 return
             await asyncio.sleep(0.1)
+
+    async def stop(self) -> None:
+        """Stop taking part, by the button of the page."""
+        await self._send({"type": "StoppedTakingPart"})
+
+    @property
+    def shown(self) -> str:
+        """Kind of the page that they see; empty before the first."""
+        return str(self._shown["t"])
+
+    @property
+    def plays(self) -> bool:
+        """True while the page of a game is complete."""
+        return self.browser.tree.get("phase") == "playing" and bool(self.browser.tree["tiles"])
 
     async def lose_connection(self) -> None:
         """Break the connection without a farewell."""
@@ -132,11 +169,14 @@ class BrowserPerson:
             await asyncio.sleep(0.02)
         elif await self._interrupted():
             pass
-        elif kind != "recorded" and shown["step"] and self._random.random() < self._manner.people.drop_out:
+        elif kind != "recorded" and shown["step"] and self._random.random() < self.manner.people.drop_out:
             self._left = number
-            await self._send({"type": "StoppedTakingPart"})
+            await self.stop()
+        elif self.manner.reads and self._read != number:
+            self._read = number
+            await asyncio.sleep(self._random.uniform(0.0, self.manner.reads))
         elif kind == "consent":
-            await self._leave(number, "ConsentReply", agrees=self._manner.agrees, window_ns=self._nanoseconds)
+            await self._leave(number, "ConsentReply", agrees=self.manner.agrees, window_ns=self._nanoseconds)
         else:
             if kind == "form":
                 await self._fill_in(shown)
@@ -149,15 +189,23 @@ class BrowserPerson:
         self.has_begun |= bool(shown.get("step"))
         if shown.get("code"):
             self.code = shown["code"]["code"].replace(" ", "")
+        if shown.get("ending"):
+            self.ending = shown["ending"].get("code", "")
+        now = self.browser.now / 1000.0
+        if shown["t"] == "turn":
+            self._waits_since = min(self._waits_since, now)
+        else:
+            self.waited += max(0.0, now - self._waits_since)
+            self._waits_since = math.inf
 
     async def _interrupted(self) -> bool:
         """Reload the page or lose the connection, if it happens now."""
         drawn = self._random.random()
-        if drawn < self._manner.reloads:
+        if drawn < self.manner.reloads:
             self.interruptions += 1
             await self.reload()
             return True
-        if drawn < self._manner.reloads + self._manner.losses:
+        if drawn < self.manner.reloads + self.manner.losses:
             self.interruptions += 1
             await self.lose_connection()
             return True
@@ -194,7 +242,7 @@ class BrowserPerson:
         if item is None:
             return "an answer"
         drawn = self._random
-        answer = self._manner.people.answer(item, {}, 0.0, drawn.random, lambda: drawn.normalvariate(0.0, 1.0))
+        answer = self.manner.people.answer(item, {}, 0.0, drawn.random, lambda: drawn.normalvariate(0.0, 1.0))
         return [answer] if item.several and isinstance(answer, str) else answer
 
     # Games
@@ -220,6 +268,7 @@ class BrowserPerson:
         tree = self.browser.tree
         if tree.get("phase") not in {"playing", "over"} or await self._interrupted():
             return
+        await self._talk(tree["people"])
         if shown.get("practice") and self._game["done"] and not tree["ending"]:
             await self._leave(shown["page"], "WentOn")
             return
@@ -229,9 +278,21 @@ class BrowserPerson:
         if wanted is not None:
             self.acts.append(wanted["act"])
             await self.browser.act(wanted)
-        elif self._in_game > self._manner.acts and not shown.get("practice"):
+        elif self.manner.ends and self._in_game > self.manner.acts and not shown.get("practice"):
             self.acts.append("EndGameAct")
             await self.browser.press("E")
+
+    async def _talk(self, panel: dict[str, Any] | None) -> None:
+        """Read the texts of the other people, and send the own text once."""
+        if panel is None:
+            return
+        self.seats.add(panel["people"][0]["seat"])
+        self.heard.update(each["text"] for each in panel["texts"])
+        if panel["read"] is not None:
+            await self.browser.act(panel["read"])
+        says = self.manner.says
+        if says and panel["writes"] and not panel["closed"] and not any(each["own"] for each in panel["texts"]):
+            await self.browser.act({**panel["send"], "text": says})
 
     def _wanted(self, tree: dict[str, Any]) -> dict[str, Any] | None:
         """Return the act that the person wants; None to wait, or to end the game."""
@@ -239,7 +300,7 @@ class BrowserPerson:
             return tree["question"]["buttons"][0]["act"]
         if tree["ending"] and not tree["treasure"] and not tree["dialogue"]:
             return tree["ending"]["buttons"][0]["act"]
-        if self._in_game > self._manner.acts:
+        if self._in_game > self.manner.acts:
             return None
         acts = list(_popup_acts(tree))
         if not acts and not tree["dialogue"]:
