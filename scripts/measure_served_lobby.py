@@ -338,8 +338,8 @@ def measure(options: argparse.Namespace) -> list[str]:
         return found
 
 
-def main() -> None:
-    """Measure one size of games."""
+def option_parser() -> argparse.ArgumentParser:
+    """Return the parser of the options."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--people", type=int, default=90, help="number of people")
     parser.add_argument("--size", type=int, default=2, choices=(2, 4), help="number of seats of a game")
@@ -348,10 +348,15 @@ def main() -> None:
     parser.add_argument("--leaving", type=LeavingRule, default=LeavingRule.END, help="rule for people who leave a game")
     parser.add_argument("--games", type=int, default=12, help="greatest number of games at the same time")
     parser.add_argument("--seconds", type=float, default=20.0, help="longest duration of a game, s")
-    parser.add_argument("--rate", type=float, default=2.0, help="simulated seconds per second")
+    parser.add_argument("--rate", type=float, default=1.0, help="simulated seconds per second")
     parser.add_argument("--seed", type=int, default=1, help="random seed of arrivals, departures and answers")
     parser.add_argument("--folder", help="folder for the study, which is deleted")
-    found = measure(parser.parse_args())
+    return parser
+
+
+def main() -> None:
+    """Measure one size of games."""
+    found = measure(option_parser().parse_args())
     print("\n".join(found), flush=True)
     sys.exit(1 if found else 0)
 
