@@ -205,7 +205,7 @@ def faults_of_guest(guest: Guest, progress: Progress, then: WaitRule) -> Iterato
     if not guest.last:
         yield f"{who} did not reach the last page; the page is {guest.browser.shown or 'unknown'}."
     elif run.unmatched:
-        if then is not WaitRule.PAY:
+        if then is WaitRule.PROGRAM:
             yield f"{who} got no game although the rule is {then}."
         if (guest.browser.ending, guest.browser.code) != ("NO-GROUP", run.code) or not run.code:
             yield f"{who} waited in vain, and saw the codes {guest.browser.ending!r} and {guest.browser.code!r}."
