@@ -21,7 +21,7 @@ from thbridge.roles.keeper.keeper import Keeper, ProgramRefusal
 from thbridge.roles.keeper.team.game_team import TeamRules
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import ParticipantUpdate
-from thbridge.roles.shared.notices import KEEPER, FloorPlan, ParticipantReady
+from thbridge.roles.shared.notices import KEEPER, FloorPlan, ParticipantReady, RoomOutline
 from thbridge.roles.shared.role import Role
 from thbridge.roles.shared.seat_programs import program_of, seat_name_of
 from thbridge.roles.shared.team_notices import TalkLine, TeamTalk
@@ -30,7 +30,8 @@ from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice_format import NoticeDecoder, encode_notice
 from thbridge.text_protocol.wire.router import Forwarded
 
-PLAN = FloorPlan("stage", 0.1, (0.0, 0.0, 0.0), 1, 1, "", (), ())
+ROOMS = tuple(RoomOutline(room, "Kitchen" if room == 2 else "", (), (0.0, 0.0, 0.0)) for room in range(1, 9))
+PLAN = FloorPlan("stage", 0.1, (0.0, 0.0, 0.0), 1, 1, "", ROOMS, ())
 _UPDATES = NoticeDecoder[ParticipantUpdate](ParticipantUpdate)
 
 

@@ -589,6 +589,7 @@ class Keeper:
                         self._game.team.decisions,
                         talk.read_until(place.seat.name),
                         talk_is_open=talk.is_open(self._game.seconds),
+                        room_names=self._briefing.names_of_rooms(self._team.map),
                     )
                     self._outgoing += place.participants.show_talk(state.started.game, talk.lines_for(place.seat.name))
                 self._outgoing += place.participants.show(view)

@@ -145,6 +145,8 @@ class TabUI:
                 case View():
                     self._note_refusal(update)
                     self.view, changed = update, True
+                    if update.team is not None and update.team.room_names:
+                        self.room_names = RoomNames.of(enumerate(update.team.room_names, 1))
                 case FloorPlan():
                     self.room_names = update.room_names
                 case GameTexts():

@@ -248,6 +248,7 @@ class TeamView:
         talk_is_open: True if participants may send texts to each other now.
         read: number of the last text that a program of this seat has shown; 0 before the first.
         settled: the last votes that have ended, oldest first.
+        room_names: names of the rooms, in order, for a seat that does not see the map; otherwise empty.
     """
 
     own: Seat
@@ -258,6 +259,7 @@ class TeamView:
     talk_is_open: bool = False
     read: int = 0
     settled: tuple[SettledView, ...] = ()
+    room_names: tuple[str, ...] = ()
 
 
 class View(NoticeValue, frozen=True, tag="View"):

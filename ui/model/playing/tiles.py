@@ -16,7 +16,10 @@ from ui.model.shared.scene import decided
 
 def tiles(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RoomTile, ...]:
     """Return one tile per room, room 1 first."""
-    names = {} if memory.floor_plan is None else {room.room: room.name for room in memory.floor_plan.rooms}
+    team = hunt.view.team
+    names = {} if team is None else dict(enumerate(team.room_names, 1))
+    if memory.floor_plan is not None:
+        names = {room.room: room.name for room in memory.floor_plan.rooms}
     return tuple(_tile(memory, hunt, room, names) for room in hunt.view.rooms)
 
 

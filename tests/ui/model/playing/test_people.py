@@ -5,10 +5,15 @@ import math
 import pytest
 
 from tests.support.hunts.participant_views import model_of, view
-from tests.support.hunts.people_in_a_hunt import HuntOfPeople
+from tests.support.hunts.people_in_a_hunt import HuntOfPeople, PersonAtTerminal
+from tests.support.hunts.seated_hunt import SeatedHunt
 from thbridge.hunt.events import PersonRead, PersonSaid
+from thbridge.hunt.seats import Seat
+from thbridge.roles.shared.notices import KEEPER, FloorPlan
 from thbridge.roles.shared.team_notices import LONGEST_TEXT
+from thbridge.text_protocol.wire.notice_format import encode_notice
 from ui.model.playing.keys import act_for
+from ui.model.playing.participant import Participant
 from ui.model.playing.screen import ChooseAddressee, GoToPeople, MarkReadAct, SayToPeopleAct, WriteText
 
 
@@ -245,3 +250,18 @@ def test_the_longest_texts_reach_a_program_that_joins_again(hunt):
     assert len(namer.panel.texts) == 10
     longest = max(len(line.encode()) for line in hunt.hunt.lines)
     assert longest < 64 * 1024
+
+
+def test_a_person_without_the_map_reads_the_same_names_of_rooms_as_the_others():
+    hunt = SeatedHunt((Seat("driver", "the driver", robots=(0, 1)), Seat("blind", "the blind", sees_map=False)))
+    for seat in ("driver", "blind"):
+        person = Participant()
+        for update in hunt.shown[seat]:
+            person.receive(update, 0.0)
+        assert [tile.name for tile in person.screen(0.0).tiles][:2] == ["Room 1", "Kitchen"]
+    assert hunt.view("driver").team.room_names == ()
+    assert not any(isinstance(update, FloorPlan) for update in hunt.shown["blind"])
+    at_terminal = PersonAtTerminal("blind")
+    at_terminal.tabui.step(0, [encode_notice(KEEPER, at_terminal.tabui.name, hunt.view("blind"))])
+    at_terminal.type("all")
+    assert any("2 (Kitchen)" in line for line in at_terminal.lines)

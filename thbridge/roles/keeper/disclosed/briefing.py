@@ -47,6 +47,11 @@ class Briefing:
     condition: DialogueCondition = DialogueCondition.SCRIPT
     texts: GameTexts | None = None
 
+    def names_of_rooms(self, map_name: str | None) -> tuple[str, ...]:
+        """Return the names of the rooms on the floor plan, in order; empty if the robots use another map."""
+        plan = self.floor_plan
+        return () if plan is None or map_name not in {None, plan.map} else tuple(room.name for room in plan.rooms)
+
     @property
     def room_names(self) -> RoomNames:
         """Names of the map's rooms; empty if there is no map."""

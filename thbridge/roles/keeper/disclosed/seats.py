@@ -62,6 +62,7 @@ def view_of_seat(
     read: int = 0,
     *,
     talk_is_open: bool = False,
+    room_names: tuple[str, ...] = (),
 ) -> View:
     """Return the part of a view that a seat may see.
 
@@ -73,6 +74,7 @@ def view_of_seat(
         decisions: votes of the game.
         read: number of the last text that a program of the seat has shown.
         talk_is_open: True if participants may send texts to each other now.
+        room_names: names of the map's rooms. People talk about rooms by these names, also with people who see no map.
     """
     seats = state.started.seats
     commanders = [robot.command for robot in state.robots]
@@ -116,6 +118,7 @@ def view_of_seat(
             settled=decisions.settled,
             talk_is_open=talk_is_open,
             read=read,
+            room_names=() if seat.sees_map else room_names,
         ),
     )
     if not seat.sees_energy:
