@@ -1,7 +1,6 @@
 """Games of groups in a served study: people wait for each other, play together, leave, and come back."""
 
 import asyncio
-import contextlib
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import replace
@@ -149,8 +148,11 @@ class GroupGames:
         async def show(has_come: Callable[[], bool]) -> bool:
             return await await_turn(pages, (heading, f"{text}\n\n{most} {then}"), has_come)
 
+        def waits() -> bool:
+            return is_here() and pages.run.state is RunState.UNDER_WAY
+
         while True:
-            end, _ = await await_place(self._lobby, person, is_here, show, lambda: self._queue.is_closed)
+            end, _ = await await_place(self._lobby, person, waits, show, lambda: self._queue.is_closed)
             match end:
                 case WaitEnd.PLACED:
                     seat = words.seat_label(self._design, pages.run, step)
@@ -226,7 +228,8 @@ class GroupRunner:
         self._ends = game.has_absent and design.file.lobby.leaving is LeavingRule.END
         self._begun = asyncio.Event()
         self._over = asyncio.Event()
-        self._problem = ""
+        self._result: JsonValue = None
+        self._failure: BadFile | None = None
         self._inside = 0
         runs = {seat: conductor.progress.runs[person] for seat, person in game.people.items()}
         one = next(iter(runs.values()))
@@ -281,8 +284,8 @@ class GroupRunner:
             await self._over.wait()
         finally:
             self._inside -= 1
-        if self._problem:
-            raise BadFile(self._request.folder, self._problem, "See `thbridge study status`")
+        if self._failure is not None:
+            raise self._failure
         return self._result
 
     def stop(self) -> None:
@@ -291,29 +294,33 @@ class GroupRunner:
 
     async def _run(self) -> None:
         """Play the game to its end, and log it."""
-        if not self._request.goes_on:
-            await self._pool.end(self.key)
-        self._result: JsonValue = None
-        while not self._deaths.are_too_many:
-            try:
-                ended = self._pool.games.result(self.key) or await self._run_once()
-            except WorkerDied:
-                self._deaths.add()
-                continue
-            self._begun.set()
-            self._problem = ended.problem
-            if not ended.problem:
-                self._log(ended)
-            break
-        else:
-            self._problem = f"the programs of {MOST_DEATHS} games in a row have ended unexpectedly"
+        try:
+            if not self._request.goes_on:
+                await self._pool.end(self.key)
+            self._log(await self._played())
+        except BadFile as failure:
+            self._failure = failure
         self._begun.set()
         self._over.set()
         while self._inside:
             await asyncio.sleep(LOOK)
+        if self._failure is not None:
+            raise self._failure
         self._pool.games.forget(self.key)
 
+    async def _played(self) -> WorkerResult:
+        """Play the game to its end; if its worker dies, another one resumes it."""
+        while not self._deaths.are_too_many:
+            try:
+                return self._pool.games.result(self.key) or await self._run_once()
+            except WorkerDied:
+                self._deaths.add()
+        problem = f"the programs of {MOST_DEATHS} games in a row have ended unexpectedly"
+        raise BadFile(self._request.folder, problem, "See the messages above; `thbridge doctor` checks this machine")
+
     def _log(self, ended: WorkerResult) -> None:
+        if ended.problem:
+            raise BadFile(self._request.folder, ended.problem, "See `thbridge study status`")
         self._result = cast(JsonValue, msgspec.json.decode(ended.result))
         if not self._request.practice and isinstance(self._result, dict) and self.game.played is None:
             self._conductor.end_group_game(self.game, self._result)
@@ -326,13 +333,17 @@ class GroupRunner:
         async with self._pool.enter(self.key, self._request, lambda _text: None, hear, None) as hosted:
             self._request = replace(self._request, goes_on=not self._request.practice)
             self._begun.set()
-            watching = asyncio.create_task(self._watch(hosted))
+            tasks = asyncio.create_task(hosted.ended()), asyncio.create_task(self._watch(hosted))
+            ending, watching = tasks
             try:
-                return await hosted.ended()
+                await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+                if watching.done():
+                    await watching  # It ends only if the log cannot be written.
+                return await ending
             finally:
-                watching.cancel()
-                with contextlib.suppress(asyncio.CancelledError):
-                    await watching
+                for task in tasks:
+                    task.cancel()
+                await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _watch(self, hosted: HostedGame) -> None:
         """Look at the people of the game again and again."""

@@ -123,7 +123,8 @@ class PooledGames:
             if isinstance(message, SeatSeenOver):
                 group.note_seen_over()
 
-        while not group.is_over:
+        # A game with a result has ended, even if the runner has not logged it yet.
+        while not (group.is_over or self._pool.games.result(group.key)):
             request = await group.request()
             receive = self._receiver(group.key, watcher, DeathCount(), seen)
             entering = self._pool.enter(group.key, request, self._window.show, receive, seat)

@@ -306,7 +306,7 @@ class WorkerPool:
             seat: name of the person's seat; empty in a game with one participant. If None, no person is there.
 
         Raises:
-            WorkerDied: the worker could not be started, or died before the connection.
+            WorkerDied: the worker could not be started, or died before the connection, or the game has a result.
         """
         writer: asyncio.StreamWriter | None = None
         self._inside[key] += 1
@@ -316,6 +316,8 @@ class WorkerPool:
                 self._reserved.discard(key)
                 if self.games.is_running(key):
                     self._entered[key] = self.games.remote_host(key)
+                elif self.games.result(key) is not None:
+                    raise WorkerDied  # The game has ended meanwhile, and must not begin again.
                 else:
                     await self._start(key, request)
             reader, writer = await self._connected(key, seat)
