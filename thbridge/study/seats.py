@@ -127,13 +127,16 @@ def seats_of(entries: Sequence[SeatEntry]) -> tuple[Seat, ...]:
     return tuple(entry.seat() for entry in entries)
 
 
-def faults_of_seats(loaded: Loaded[S], entries: Sequence[SeatEntry], robots: int) -> Iterator[BadFile]:
-    """Yield faults of seats: seats that can do nothing, robots without a commander, and contradictions.
+def faults_of_seats(
+    loaded: Loaded[S], entries: Sequence[SeatEntry], robots: int, talk: TalkSection
+) -> Iterator[BadFile]:
+    """Yield faults of seats: seats that can do nothing, acts that no seat can do, and contradictions.
 
     Args:
         loaded: the study.
         entries: the seats.
         robots: number of robots in the team.
+        talk: texts of the participants.
     """
     if entries and not 2 <= len(entries) <= MOST_SEATS:
         remedy = f"Write 2 to {MOST_SEATS} seats; for a game with one participant, delete the key"
@@ -161,10 +164,7 @@ def faults_of_seats(loaded: Loaded[S], entries: Sequence[SeatEntry], robots: int
             problem = f"{entry.name} commands robots but does not talk with them, so they never agree to a move"
             yield loaded.fault(f"{key}.talks", problem, "Write true")
         if not (
-            entry.robots
-            or (entry.takes_over and entry.talks)
-            or entry.names_treasures
-            or entry.stops is not StopRight.OWN
+            entry.robots or (entry.takes_over and entry.talks) or entry.names_treasures or entry.stops is StopRight.ALL
         ):
             problem = f"{entry.name} can do nothing: it commands no robot, takes over none, and names no treasure"
             yield loaded.fault(key, problem, "Write `robots`, `takes_over: true` or `names_treasures: true`")
@@ -177,3 +177,12 @@ def faults_of_seats(loaded: Loaded[S], entries: Sequence[SeatEntry], robots: int
         if not any(entry.names_treasures for entry in entries):
             problem = "no seat may name treasures, so every game would have 0 points"
             yield loaded.fault("seats", problem, "Write `names_treasures: true` for at least one seat")
+        elif not any(entry.names_treasures and entry.talks for entry in entries):
+            problem = "no seat that names treasures talks with robots, so no robot ever agrees to a name"
+            yield loaded.fault("seats", problem, "Write `talks: true` for a seat with `names_treasures: true`")
+        if not any(entry.ends_game for entry in entries):
+            problem = "no seat may end the game early, so a game whose last room no robot reaches never ends"
+            yield loaded.fault("seats", problem, "Write `ends_game: true` for at least one seat")
+        if talk.on and talk.closes is not None and talk.closes <= talk.opens:
+            problem = f"texts end at {talk.closes:g} s, but begin only at {talk.opens:g} s"
+            yield loaded.fault("team.talk.closes", problem, "Write a later time, or `on: false`")

@@ -570,7 +570,7 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
     if study.seats and study.participant.robots is not None:
         problem = "a game with seats has a fixed team, because each robot is in the `robots` of a seat"
         yield loaded.fault("participant.robots", problem, "Delete the key")
-    yield from faults_of_seats(loaded, study.seats, study.robots)
+    yield from faults_of_seats(loaded, study.seats, study.robots, study.team.talk)
     if not _surrounds_origin(study.world.footprint):
         problem = "the polygon of these corners does not contain the robot's center (0, 0)"
         yield loaded.fault("world.footprint", problem, "Write three or more corners in order around the center")
