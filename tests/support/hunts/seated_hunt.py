@@ -82,10 +82,10 @@ class SeatedHunt:
 
     # What participants do
 
-    def join(self, seat: str) -> None:
-        """Connect the program of a seat, for the first time or again."""
+    def join(self, seat: str, run: str = "") -> None:
+        """Connect the program of a seat, for the first time or again; another program has another run."""
         self.present.add(seat)
-        self._queue.append(encode_notice(program_of(seat), KEEPER, ParticipantReady("")))
+        self._queue.append(encode_notice(program_of(seat), KEEPER, ParticipantReady(run)))
 
     def leave(self, seat: str) -> None:
         """Disconnect the program of a seat."""

@@ -21,6 +21,7 @@ from thbridge.dialogue.wording.language import Language
 from thbridge.files.set_words import SetWords, values_of
 from thbridge.files.template_files import TemplateSet
 from thbridge.hunt.events import JournalEntry
+from thbridge.hunt.seats import ONE_SEAT
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper.advice.adviser import Adviser
@@ -179,15 +180,18 @@ def build_participants(setting: StudySetting, strategy: str | None = None) -> tu
     Raises:
         BadFile: there is no participant with this name; see `installed_participant`.
     """
+    seats = [entry.name for entry in setting.study.seats] or [ONE_SEAT.name]
+    return tuple(build_participant(setting, seat, strategy) for seat in seats)
+
+
+def build_participant(setting: StudySetting, seat: str, strategy: str | None = None) -> TabUI:
+    """Return a simulated participant for the seat with this name; see `build_participants`."""
     study, who = setting.study, setting.study.participant
-    if not study.seats:
-        return (TabUI(build_bot(setting.templates, strategy or who.strategy, study.seed, who.attitude)),)
-    participants = []
+    chosen, attitude = strategy or who.strategy, who.attitude
     for entry in study.seats:
-        chosen = strategy or entry.strategy or who.strategy
-        bot = build_bot(setting.templates, chosen, seat_seed(study.seed, entry.name), entry.attitude or who.attitude)
-        participants.append(TabUI(bot, seat=entry.name))
-    return tuple(participants)
+        if entry.name == seat:
+            chosen, attitude = strategy or entry.strategy or who.strategy, entry.attitude or who.attitude
+    return TabUI(build_bot(setting.templates, chosen, seat_seed(study.seed, seat), attitude), seat=seat)
 
 
 def seat_seed(seed: int, seat: str) -> int:

@@ -474,6 +474,9 @@ class Keeper:
         value, state = KEEPER_NOTICES.decode(notice), self.state
         match value:
             case ParticipantReady(run):
+                if place.participants.is_another_program(notice.sender, run):
+                    # The journal shows the change also if one program follows another in the same tick.
+                    self._game.record(self._game.team.leave(place.seat.name, self._game.seconds))
                 place.consent.join(state, run)
                 place.is_away = False
                 for robot in range(0 if state is None else len(state.robots)):

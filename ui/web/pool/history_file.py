@@ -1,4 +1,4 @@
-"""File with the history of a game, for the next process of the same game."""
+"""History of a game, kept for the next process of the same game, or for the next time that a person has their seat."""
 
 import logging
 from collections.abc import Iterator
@@ -22,6 +22,25 @@ class _Line(msgspec.Struct, array_like=True):
 
 
 _LINES = msgspec.json.Decoder(_Line)
+
+
+class HistoryInMemory:
+    """History of a game that no other process resumes; it implements `KeptLines`."""
+
+    def __init__(self) -> None:
+        self._lines: list[HistoryLine] = []
+
+    def read(self) -> tuple[HistoryLine, ...]:
+        """See `KeptLines`."""
+        return tuple(self._lines)
+
+    def add(self, line: HistoryLine) -> None:
+        """See `KeptLines`."""
+        self._lines.append(line)
+
+    def clear(self) -> None:
+        """See `KeptLines`."""
+        self._lines.clear()
 
 
 class HistoryFile:

@@ -161,11 +161,11 @@ class HostedGame:
         self._send(PersonLeft(everybody))
 
     def fill(self, seat: str) -> None:
-        """Let a program take a seat."""
+        """Let a program have a seat, until its person comes back; a new worker must receive this again."""
         self._send(SeatFilled(seat))
 
     def resume(self, seat: str) -> None:
-        """Let the person of a seat replace the program in it."""
+        """Let the person of a seat, who has come back, have it again."""
         self._send(SeatResumed(seat))
 
     def confirm(self) -> None:

@@ -6,11 +6,14 @@ from pathlib import Path
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from thbridge.app import play as hunt
+from thbridge.app.compose.game import build_participant
+from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.errors import BadFile
 from thbridge.recording.recordings import make_room
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.study_file import Study
@@ -33,6 +36,7 @@ class SingleGame:
         consents: see `GameRequest`.
         max_seconds: simulated seconds after which the game is stopped.
         once: True because another page follows the game.
+        programs: see `GameRequest`.
     """
 
     study: Study
@@ -42,6 +46,7 @@ class SingleGame:
     consents: Mapping[str, str]
     max_seconds: float
     once: bool = True
+    programs: frozenset[str] = frozenset()
 
     @property
     def windows(self) -> frozenset[str]:
@@ -52,13 +57,13 @@ class SingleGame:
         """See `GameRequest`."""
         return setting_of(self.study, self.file).texts
 
+    def participant(self, seat: str) -> TabUI:
+        """See `GameRequest`."""
+        return build_participant(self._setting(), seat)
+
     async def play(self, people: PeopleInGame) -> Json:
         """Play the game; return its score, and the reason for its end."""
-        # Many games run on one machine, so each takes any free port.
-        server = replace(self.study.server, host="127.0.0.1", port=0)
-        setting = setting_of(replace(self.study, server=server), self.file)
-        if self.practice:
-            setting = practice_setting(setting)
+        setting = self._setting()
         inputs = None if self.bag is None else self.bag.with_suffix(".inputs")
         if self.bag is not None:
             make_room(self.bag)  # An earlier worker may have died.
@@ -88,3 +93,9 @@ class SingleGame:
         except HuntUnfinished as early:
             outcome = early.outcome
         return {"score": outcome.score, "over": outcome.over}
+
+    def _setting(self) -> StudySetting:
+        # Many games run on one machine, so each takes any free port.
+        server = replace(self.study.server, host="127.0.0.1", port=0)
+        setting = setting_of(replace(self.study, server=server), self.file)
+        return practice_setting(setting) if self.practice else setting

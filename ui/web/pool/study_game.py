@@ -4,13 +4,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from thbridge.app.compose.game import build_participant
 from thbridge.app.compose.setting import texts_of
+from thbridge.batch.settings import SettingCache
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Run
 from thbridge.experiment.store.events import FrontEnd
+from thbridge.experiment.trials import setting_of_practice, setting_of_trial
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.kiosk.games import StudyGames
 from ui.web.page.patches import Json, tree
@@ -48,6 +52,13 @@ class StudyGame:
     programs: frozenset[str] = frozenset()
     once: bool = True
     windows: frozenset[str] = frozenset()
+
+    def participant(self, seat: str) -> TabUI:
+        """See `GameRequest`."""
+        design = ExperimentFolder(self.folder).read()
+        settings = SettingCache(design.beside)
+        trial = None if self.practice else setting_of_trial(design, settings, self.run, self.step)
+        return build_participant(trial or setting_of_practice(design, settings, self.run, self.step), seat)
 
     def texts(self) -> Texts:
         """See `GameRequest`."""

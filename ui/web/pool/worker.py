@@ -23,14 +23,16 @@ from thbridge.app.listeners import StartServer, WatchAddress
 from thbridge.app.play import Checkpoints
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.errors import BadFile
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.view import GiveConsent
 from thbridge.sockets.addresses import LOCALHOST, ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from ui.hosting.lobby import WILDCARD_ADDRESSES
+from ui.model.playing.memory.history import KeptLines
 from ui.sources.game import GameConnection
 from ui.web.page.messages import FROM_GAME_PAGE
 from ui.web.page.patches import Json
-from ui.web.pool.history_file import HistoryFile
+from ui.web.pool.history_file import HistoryFile, HistoryInMemory
 from ui.web.pool.messages import (
     LONGEST_LINE,
     TO_WORKER,
@@ -46,6 +48,8 @@ from ui.web.pool.messages import (
     RecordingBrokenOff,
     ResultKept,
     SeatDeclined,
+    SeatFilled,
+    SeatResumed,
     SeatSeenOver,
     SeatWentOn,
     ToBrowser,
@@ -55,6 +59,7 @@ from ui.web.pool.messages import (
     encode_line,
 )
 from ui.web.pool.running_games import RunningGames, WorkerAddress
+from ui.web.pool.seat_program import play_seat
 from ui.web.pool.sleeping_copies import SleepingCopies, place_of, shut_accepted
 from ui.web.seat import GameSeat
 
@@ -90,7 +95,7 @@ class PeopleInGame(Protocol):
         """Seat all people at the game with this address."""
 
     def have_left(self) -> bool:
-        """Return True if all people have left the game."""
+        """Return True if all people have left the game, so that at most programs play."""
 
     def have_seen_end(self) -> bool:
         """Return True if the browsers of all people who have not left show the end of the game."""
@@ -117,8 +122,13 @@ class GameRequest(Protocol):
     def consents(self) -> Mapping[str, str]:
         """Times at which people gave consent, by the names of their seats; empty texts if they were not asked.
 
+        Seats that are empty, or that programs have, for the whole game are missing.
         The only seat of a game with one participant has an empty name.
         """
+
+    @property
+    def programs(self) -> frozenset[str]:
+        """Names of the seats that programs have at the start."""
 
     @property
     def windows(self) -> frozenset[str]:
@@ -126,6 +136,13 @@ class GameRequest(Protocol):
 
     def texts(self) -> Texts:
         """Return the texts until the game has sent its own."""
+
+    def participant(self, seat: str) -> TabUI:
+        """Return the simulated participant that plays when a program has this seat.
+
+        Raises:
+            BadFile: a file of the study cannot be read any more.
+        """
 
     async def play(self, people: PeopleInGame) -> Json:
         """Play the game; return its result."""
@@ -168,24 +185,29 @@ class _GatewayConnection:
 
 
 class WorkerSeat:
-    """Seat of one person in a worker, with the gateway's connection for it.
+    """Seat of a game in a worker: a person with the gateway's connection for them, or a program.
 
     Args:
         name: name of the seat; empty in a game with one participant.
-        history: file with the person's history, for the next process; None for a game that is never resumed.
+        kept: the person's history, for the next time that they have the seat, and for the next process.
+        begins_with_program: True if a program has the seat at the start.
 
     Attributes:
         gateway: connection of the gateway.
         left: True after the gateway has reported that the person has left.
     """
 
-    def __init__(self, name: str, history: HistoryFile | None) -> None:
+    def __init__(self, name: str, kept: KeptLines, *, begins_with_program: bool = False) -> None:
         self.gateway = _GatewayConnection()
         self.left = False
         self._name = name
-        self._history = history
+        self._kept = kept
+        self._begins_with_program = self._has_program = begins_with_program
+        # The person's part in the game; None while a program has the seat.
         self._seat: GameSeat | None = None
         self._running: asyncio.Task[None] | None = None
+        self._leaving = False
+        self._changed = asyncio.Event()
         self._browser = False
         self._stream = 0
         self._gone_at = time.monotonic()
@@ -193,48 +215,99 @@ class WorkerSeat:
         self._window_seen_over = False
 
     def join(self, request: GameRequest, where: ListeningAddress, token: str) -> None:
-        """Seat the person at the game with this address, unless their window joins the game itself."""
-        if self._name in request.windows:
-            return
+        """Let the person or the program join the game with this address."""
+        self._running = asyncio.create_task(self._hold(request, where, token))
+
+    async def _hold(self, request: GameRequest, where: ListeningAddress, token: str) -> None:
+        """Let the person or a program play in turn, until `leave` is called; each joins after the other has left.
+
+        A window joins and leaves by itself.
+        """
         host = WILDCARD_ADDRESSES.get(where.host, where.host)
-        agreed_at = request.consents[self._name]
-        consent = GiveConsent(agreed_at) if agreed_at else None
-        self._seat = GameSeat(
-            lambda report: GameConnection(host, where.port, token, report, consent, seat=self._name),
-            request.texts(),
-            practice=request.practice,
-            once=request.once,
-            kept=self._history,
-            acted=lambda act, view_age: self.gateway.report(PersonActed(act, view_age)),
-        )
-        self._running = asyncio.create_task(self._seat.run())
-        if self._browser:
-            self._seat.show_to(self._show)
+        while not self._leaving:
+            if self._has_program and (participant := self._participant(request)) is not None:
+                await play_seat(participant, host, where.port, token, lambda: self._leaving or not self._has_program)
+                continue
+            if self._name in request.windows:
+                self._changed.clear()
+                await self._changed.wait()
+                continue
+            agreed_at = request.consents.get(self._name, "")
+            consent = GiveConsent(agreed_at) if agreed_at else None
+            seat = self._seat = GameSeat(
+                lambda report, consent=consent: GameConnection(  # type: ignore[misc]
+                    host, where.port, token, report, consent, seat=self._name
+                ),
+                request.texts(),
+                practice=request.practice,
+                once=request.once,
+                kept=self._kept,
+                acted=lambda act, view_age: self.gateway.report(PersonActed(act, view_age)),
+            )
+            if self._browser:
+                seat.show_to(self._show)
+            await seat.run()
+
+    def _participant(self, request: GameRequest) -> TabUI | None:
+        """Return the simulated participant for this seat. If its files cannot be read, the seat is empty instead."""
+        try:
+            return request.participant(self._name)
+        except BadFile as bad:
+            _log.warning("no program takes the seat %s: %s", self._name, bad)
+            self._has_program, self.left = False, True
+            return None
 
     async def leave(self) -> None:
         """Leave the game."""
-        if self._seat is not None and self._running is not None:
+        self._leaving = True
+        self._changed.set()
+        if self._seat is not None:
             self._seat.stop()
+        if self._running is not None:
             await asyncio.gather(self._running, return_exceptions=True)
 
+    def fill(self) -> None:
+        """Let a program have the seat."""
+        self._has_program = True
+        self._changed.set()
+        if self._seat is not None:
+            self._report_news(self._seat)
+            self._seat.show_to(None)
+            self._seat.stop()
+            self._seat = None
+
+    def resume(self) -> None:
+        """Let the person have the seat again."""
+        self._has_program = self.left = False
+
     def wake_up(self) -> None:
-        """Drop what belongs to the process that was killed. This process is a copy of it."""
+        """Drop what belongs to the process that was killed. This process is a copy of it.
+
+        Like a new process, it knows only who has the seat at the start, because the seat may have changed since the
+        copy was made.
+        """
         self.gateway.forget_ready()
         if self._running is not None:
             self._running.cancel()
         self._seat, self._running, self._browser = None, None, False
+        self._has_program = self._begins_with_program
         self._gone_at = time.monotonic()
 
     def clear_history(self) -> None:
         """Delete the person's history, because the game begins again."""
-        if self._history is not None:
-            self._history.clear()
+        self._kept.clear()
 
     def has_left(self) -> bool:
-        """Return True if the person has left the game; report what has happened at the seat."""
+        """Return True if no person is in the game; report what has happened at the seat."""
         seat = self._seat
         if seat is None:
-            return self.left
+            return self.left or self._has_program
+        self._report_news(seat)
+        left = self.left or seat.went_on or seat.declined
+        seat.note_presence(present=not left and (self._browser or time.monotonic() - self._gone_at < AWAY))
+        return left
+
+    def _report_news(self, seat: GameSeat) -> None:
         for happened, message in (
             (seat.seen_over, SeatSeenOver()),
             (seat.went_on, SeatWentOn()),
@@ -243,9 +316,6 @@ class WorkerSeat:
             if happened and type(message) not in self._reported:
                 self._reported.add(type(message))
                 self.gateway.note(message)
-        left = self.left or seat.went_on or seat.declined
-        seat.note_presence(present=not left and (self._browser or time.monotonic() - self._gone_at < AWAY))
-        return left
 
     @property
     def has_seen_end(self) -> bool:
@@ -321,7 +391,14 @@ class Worker:
         self._result_kept = asyncio.Event()
         # Sockets at which other programs connect to this process: the gateway, and researchers' windows.
         self._places: set[str | int] = set()
-        self._seats = {name: WorkerSeat(name, None if history is None else history(name)) for name in request.consents}
+        self._seats = {
+            name: WorkerSeat(
+                name,
+                HistoryInMemory() if history is None else history(name),
+                begins_with_program=name in request.programs,
+            )
+            for name in dict.fromkeys((*request.consents, *sorted(request.programs)))
+        }
         self._without_seat = _GatewayConnection()
         self._connected = asyncio.Event()
         self._watch_wanted = False
@@ -490,6 +567,9 @@ class Worker:
             case PersonLeft(everybody=True):
                 for each in self._seats.values():
                     each.left = True
+            case SeatFilled(name) | SeatResumed(name) if name in self._seats:
+                changed = self._seats[name]
+                changed.fill() if isinstance(message, SeatFilled) else changed.resume()
             case _ if seat is not None:
                 seat.receive(message)
             case _:

@@ -178,6 +178,15 @@ class TestVotes:
         hunt.run(3)
         assert [each.seat for each in hunt.events(SeatTaken)] == ["driver", "namer", "judge", "judge"]
 
+    def test_another_program_in_a_seat_is_recorded_even_if_the_seat_was_never_empty(self):
+        hunt = SeatedHunt(SEATS)
+        hunt.run(3)
+        for run in ("first", "first", "second"):
+            hunt.join("judge", run)
+            hunt.run(3)
+        changes = [type(each) for each in hunt.events(SeatTaken, SeatLeft) if each.seat == "judge"]
+        assert changes == [SeatTaken, SeatLeft, SeatTaken, SeatLeft, SeatTaken]
+
     def test_the_same_proposal_of_another_person_is_a_vote_for_it(self):
         kinds = {**dict.fromkeys(DecisionKind, AgreementRule.ONE), DecisionKind.END: AgreementRule.ALL}
         seats = (structs.replace(NAMER, robots=(0, 1)), structs.replace(JUDGE, ends_game=True))

@@ -87,6 +87,10 @@ class Participants:
             briefed.append(encode_notice(self._sender, name, plan))
         return briefed
 
+    def is_another_program(self, name: str, run: str) -> bool:
+        """Return True if a program with this name has joined before, in another run."""
+        return bool(run) and self._members.get(name, (run,))[0] != run
+
     def is_repetition(self, request: Notice) -> bool:
         """Return True if the sender has already used the request's number in this run, and store the number.
 

@@ -58,6 +58,10 @@ class GameTeam:
         left = (SeatLeft(seat, now) for seat in sorted(self.present) if seat not in present)
         return (*joined, *left)
 
+    def leave(self, seat: str, now: float) -> tuple[SeatLeft, ...]:
+        """Return the event that a participant has left, because another program takes the seat."""
+        return (SeatLeft(seat, now),) if seat in self.present else ()
+
     def note(self, entry: TeamEntry) -> None:
         """Process an entry of the journal."""
         match entry:
