@@ -37,7 +37,7 @@ from thbridge.files.plugins import PARTICIPANTS
 from thbridge.hunt.codec import kind_of, to_json
 from thbridge.hunt.events import Commander, JournalEntry
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.seats import ONE_SEAT
+from thbridge.hunt.seats import ONE_SEAT, PlayedBy
 from thbridge.mavlink.files.tlog import TlogFile
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, make_room, tlog_of, try_place
@@ -142,7 +142,11 @@ class HuntSession:
             others = () if {*played} == {*places} else build_participants(setting, participant)
         simulated = {each.name: each for each in others}
         self._programs = {
-            seat: TabUI(self._queues[seat], seat=seat) if seat in played else simulated[program_of(seat)]
+            seat: (
+                TabUI(self._queues[seat], seat=seat, by=PlayedBy.PROGRAM)
+                if seat in played
+                else simulated[program_of(seat)]
+            )
             for seat in places
         }
         self._first = next(iter(played), places[0])

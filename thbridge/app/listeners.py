@@ -106,6 +106,7 @@ async def listeners(
     granted: Callable[[str, str], None] | None = None,
     *,
     has_game: bool,
+    game_address: Callable[[], str] = str,
 ) -> AsyncIterator[list[Listener]]:
     """Start the listeners to a session, and stop all listeners at the end of the context.
 
@@ -122,6 +123,7 @@ async def listeners(
             the robots are not MAVLink vehicles.
         granted: callback with the name of a watcher's key and a granted request. If None, there is no callback.
         has_game: True if the game is in this session.
+        game_address: function that returns the address (HOST:PORT) of the game's text server; empty if it is not open.
     """
     listening: list[Listener] = []
     async with AsyncExitStack() as opened:
@@ -131,7 +133,7 @@ async def listeners(
             listening.append(live)
         if options.watch is not None:
             desk = WatchRequestHandler(ask, team, pacer, granted, has_game=has_game)
-            server = WatchServer(desk, options.watch.keys, bag=options.bag)
+            server = WatchServer(desk, options.watch.keys, bag=options.bag, game=game_address)
             opened.push_async_callback(server.stop)
             start = partial(server.start, options.watch.host, options.watch.port)
             if options.watch.later is None:

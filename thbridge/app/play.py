@@ -307,6 +307,9 @@ class _Hunt:
                 self._graph.receive_frame if has_vehicles else None,
                 session.keys.granted,
                 has_game=True,
+                game_address=lambda: (
+                    f"{where.host}:{where.port}" if isinstance(where := self._where, ListeningAddress) else ""
+                ),
             )
         )
         log: EventLog | None = None

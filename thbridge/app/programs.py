@@ -264,7 +264,17 @@ async def simr(
     pacer = Pacer(options.rate)
     recording = DeferredRecording()
     session = SimrSession(role, [recording])
-    async with listeners(options, setting, team, publisher, pacer, session.ask, callbacks, has_game=False) as audience:
+    async with listeners(
+        options,
+        setting,
+        team,
+        publisher,
+        pacer,
+        session.ask,
+        callbacks,
+        has_game=False,
+        game_address=lambda: f"{options.host}:{options.port}",
+    ) as audience:
         if audience:
             opening = build_record(setting, SIMR, [role.name], "")
             recording.begin([build_recorder(setting, opening, audience, publisher)])

@@ -49,7 +49,7 @@ class Author(StrEnum):
     PERSON = "person"
     """The participant."""
     WIZARD = "wizard"
-    """A person who speaks in the robot's place, unknown to the participant (Wizard-of-Oz)."""
+    """A researcher who speaks in the place of a robot or of a participant, unknown to the others (Wizard-of-Oz)."""
 
 
 class DialogueOutcome(StrEnum):

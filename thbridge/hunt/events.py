@@ -9,7 +9,7 @@ import msgspec
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.properties import OF_2016, Properties, TreasureProperty
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.seats import Seat
+from thbridge.hunt.seats import PlayedBy, Seat
 from thbridge.hunt.treasures import TreasureKind
 
 Number: TypeAlias = Annotated[float, msgspec.Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
@@ -381,14 +381,27 @@ class PersonRead(_Event, frozen=True, tag="person-read"):
 
 
 class SeatTaken(_Event, frozen=True, tag="seat-taken"):
-    """A participant joined with a program, or came back to it. Only journals have this event."""
+    """A seat is played from now on: a participant joined or came back, or a researcher took their place.
+
+    Until the next event of this kind for the same seat, or until it is left, all acts of the seat are theirs. Only
+    journals have this event.
+
+    Attributes:
+        seat: name of the seat.
+        at: simulated time, s.
+        by: who plays the seat.
+    """
 
     seat: str
     at: Number
+    by: PlayedBy = PlayedBy.PERSON
 
 
 class SeatLeft(_Event, frozen=True, tag="seat-left"):
-    """A participant is away: all their programs were disconnected, or report it. Only journals have this event."""
+    """A seat is no longer played: all its programs were disconnected, or report that the participant is away.
+
+    Only journals have this event.
+    """
 
     seat: str
     at: Number

@@ -33,6 +33,14 @@ class DialogueSight(StrEnum):
     ALL = "all"
 
 
+class PlayedBy(StrEnum):
+    """Player of a seat: a person, a program (such as a simulated participant), or a researcher in their place."""
+
+    PERSON = "person"
+    PROGRAM = "program"
+    RESEARCHER = "researcher"
+
+
 class Seat(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One seat of a game.
 

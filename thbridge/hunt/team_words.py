@@ -13,6 +13,7 @@ from thbridge.hunt.events import (
     VoteCast,
 )
 from thbridge.hunt.rooms import Room, RoomNames
+from thbridge.hunt.seats import PlayedBy
 from thbridge.hunt.treasures import name_in_words
 
 
@@ -29,8 +30,10 @@ def entry_in_words(entry: TeamEntry, rooms: RoomNames) -> str:
         rooms: names of the map's rooms.
     """
     match entry:
-        case SeatTaken():
+        case SeatTaken(by=PlayedBy.PERSON):
             return "joins"
+        case SeatTaken(by=by):
+            return f"is played by a {by}"
         case SeatLeft():
             return "is disconnected"
         case PersonSaid(line=line, to=to, text=text):
@@ -38,7 +41,7 @@ def entry_in_words(entry: TeamEntry, rooms: RoomNames) -> str:
         case PersonRead(line):
             return f"has read the messages up to {line}"
         case DecisionProposed(decision=number, needs=needs):
-            return f"proposes decision {number}: {_proposal(entry, rooms)}; {needs} must agree"
+            return f"proposes decision {number}: {proposal_in_words(entry, rooms)}; {needs} must agree"
         case VoteCast(decision=number, agrees=agrees, reason=reason):
             because = f": {reason}" if reason else ""
             return f"{'agrees' if agrees else 'does not agree'} to decision {number}{because}"
@@ -46,7 +49,8 @@ def entry_in_words(entry: TeamEntry, rooms: RoomNames) -> str:
             return f"vote on decision {number}: {outcome}"
 
 
-def _proposal(entry: DecisionProposed, rooms: RoomNames) -> str:
+def proposal_in_words(entry: DecisionProposed, rooms: RoomNames) -> str:
+    """Return what a participant proposes, as a clause."""
     room = rooms.titled((entry.room or Room(0)).people)
     match entry.kind:
         case DecisionKind.SEND:

@@ -85,6 +85,8 @@ class WatchStatus:
         refusals: number of refused requests.
         bag: path of the session's bag on the session's machine; empty if the session records no bag.
         ended: True if the session has ended and the bag is complete; then this status is the last status.
+        game: address (HOST:PORT) of the text server of the game, at which this watcher may play a seat; empty if the
+            watcher may only watch.
     """
 
     paused: bool
@@ -96,6 +98,7 @@ class WatchStatus:
     refusals: int = 0
     bag: str = ""
     ended: bool = False
+    game: str = ""
 
     def data(self) -> bytes:
         """Return the status as a serialized std_msgs/String."""

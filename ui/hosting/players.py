@@ -7,6 +7,7 @@ from thbridge.app.compose.game import build_bot, build_participants, seat_seed
 from thbridge.app.compose.setting import StudySetting
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.template_files import TemplateSet
+from thbridge.hunt.seats import PlayedBy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.seat_programs import program_of
 from thbridge.roles.shared.view import GiveConsent
@@ -31,7 +32,7 @@ class LocalPlayer:
 def player_of_bot(who: str, templates: TemplateSet, study: Study, seat: str = "") -> LocalPlayer:
     """Return a simulated participant with the study's seed and attitude, and with the kinds of treasures."""
     bot = build_bot(templates, who, seat_seed(study.seed, seat), study.participant.attitude)
-    return LocalPlayer(TabUI(bot, seat=seat), None)
+    return LocalPlayer(TabUI(bot, seat=seat, by=PlayedBy.PROGRAM), None)
 
 
 def teammates_of(setting: StudySetting, seat: str) -> tuple[TabUI, ...]:

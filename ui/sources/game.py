@@ -10,8 +10,9 @@ from typing import TypeAlias
 from sim.common.observations import TICK
 from thbridge.app.programs import exchange
 from thbridge.files.keys.key_file import ClientKey
+from thbridge.hunt.seats import PlayedBy
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
-from thbridge.roles.shared.seat_programs import program_of
+from thbridge.roles.shared.seat_programs import program_of, researchers_program
 from thbridge.roles.shared.view import GiveConsent, ParticipantRequest, View
 from thbridge.sockets.reconnecting import Backoff, ConnectionLost
 from thbridge.text_protocol.sockets.client import TextClient
@@ -62,6 +63,7 @@ class GameConnection:
             asked.
         key: key to show to the server; None for none.
         seat: name of the person's seat; empty in a game with one participant.
+        by: who plays the seat: its participant, or a researcher in their place.
 
     Raises:
         ValueError: the token is not one word.
@@ -81,10 +83,12 @@ class GameConnection:
         consent: GiveConsent | None = None,
         key: ClientKey | None = None,
         seat: str = "",
+        by: PlayedBy = PlayedBy.PERSON,
     ) -> None:
-        self._client = TextClient(program_of(seat), token, host, port, RECONNECT_BACKOFF, key)
+        program = researchers_program(seat) if by is PlayedBy.RESEARCHER else program_of(seat)
+        self._client = TextClient(program, token, host, port, RECONNECT_BACKOFF, key)
         self._token = token
-        self._seat = seat
+        self._seat, self._by = seat, by
         self._consent = consent
         self._report_event = report
         self.requested: tuple[ParticipantRequest, ...] = ()
@@ -96,7 +100,7 @@ class GameConnection:
         player = _FrontEndPlayer()
         # A window that is opened again after a crash has the same token; random numbers distinguish its requests from
         # earlier ones.
-        role = TabUI(player, self, self._consent, 1 + secrets.randbelow(_FIRST_NUMBERS), self._seat)
+        role = TabUI(player, self, self._consent, 1 + secrets.randbelow(_FIRST_NUMBERS), self._seat, by=self._by)
         role.run = self._token
         runner = _ClockedRole(role, self._report)
         async with self._client.running():

@@ -9,6 +9,7 @@ import threading
 from collections import deque
 
 from thbridge.files.keys.key_file import ClientKey
+from thbridge.hunt.seats import PlayedBy
 from thbridge.roles.shared.view import GiveConsent, ParticipantRequest
 from ui.sources.game import GameConnection, ReceivedEvent
 
@@ -27,11 +28,12 @@ class ParticipantLink:
         consent: GiveConsent | None = None,
         key: ClientKey | None = None,
         seat: str = "",
+        by: PlayedBy = PlayedBy.PERSON,
     ) -> None:
         # No lock is needed: appending to a deque, taking from it, and replacing a tuple are single steps of the
         # interpreter.
         self._events: deque[ReceivedEvent] = deque()
-        self._connection = GameConnection(host, port, token, self._events.append, consent, key, seat)
+        self._connection = GameConnection(host, port, token, self._events.append, consent, key, seat, by)
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, name="link", daemon=True)
 

@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.keys.key_file import ClientKey
 from thbridge.files.language_texts import shipped_texts
+from thbridge.hunt.seats import PlayedBy
 from thbridge.roles.shared.view import GiveConsent
 from thbridge.sockets.reconnecting import ConnectionLost, LossReason
 from ui.command_line.terminal import DECLINED
@@ -488,7 +489,15 @@ def why_lost(texts: Texts, lost: ConnectionLost) -> str:
             return ""
 
 
-def play_at(host: str, port: int, token: str, choice: look.Choice, key: ClientKey | None = None, seat: str = "") -> int:
+def play_at(
+    host: str,
+    port: int,
+    token: str,
+    choice: look.Choice,
+    key: ClientKey | None = None,
+    seat: str = "",
+    by: PlayedBy = PlayedBy.PERSON,
+) -> int:
     """Open the window for a game at a server. Return the exit code when it is closed.
 
     Args:
@@ -498,11 +507,12 @@ def play_at(host: str, port: int, token: str, choice: look.Choice, key: ClientKe
         choice: colors of the window.
         key: key to present; None for none.
         seat: name of the participant's seat; empty in a game with one participant.
+        by: who plays the seat: its participant, or a researcher in their place.
     """
     app = application()
     table = _table(app, choice, None, shipped_texts())
     # A participant's key is valid for one game, so the window does not offer another game.
-    table.join(ParticipantLink(host, port, token, key=key, seat=seat), once=key is not None)
+    table.join(ParticipantLink(host, port, token, key=key, seat=seat, by=by), once=key is not None)
     table.show()
     code = app.exec()
     return DECLINED if table.declined else code

@@ -23,11 +23,16 @@ from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import ParticipantUpdate
 from thbridge.roles.shared.notices import KEEPER, FloorPlan, ParticipantReady, RoomOutline
 from thbridge.roles.shared.role import Role
-from thbridge.roles.shared.seat_programs import program_of, seat_name_of
+from thbridge.roles.shared.seat_programs import (
+    is_researchers,
+    program_of,
+    researchers_program,
+    seat_name_of,
+)
 from thbridge.roles.shared.team_notices import TalkLine, TeamTalk
 from thbridge.roles.shared.view import AnswerDialogue, ParticipantRequest, SelectRoom, SendRobot, View
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice_format import NoticeDecoder, encode_notice
+from thbridge.text_protocol.wire.notice_format import NoticeDecoder, NoticeValue, encode_notice
 from thbridge.text_protocol.wire.router import Forwarded
 
 ROOMS = tuple(RoomOutline(room, "Kitchen" if room == 2 else "", (), (0.0, 0.0, 0.0)) for room in range(1, 9))
@@ -43,6 +48,7 @@ class SeatedHunt:
         shown: all notices that each participant received, oldest first, by seat.
         refusals: all refusals.
         present: seats whose participants are connected.
+        dismissed: programs of researchers that had to leave, with the reasons.
     """
 
     def __init__(
@@ -67,6 +73,8 @@ class SeatedHunt:
         self.shown: dict[str, list[ParticipantUpdate]] = {seat.name: [] for seat in seats}
         self.refusals: list[ProgramRefusal] = []
         self.present: set[str] = set()
+        self._researchers: set[str] = set()
+        self.dismissed: list[tuple[str, str]] = []
         self._left: list[str] = []
         self._tick = 0
         self._queue: list[TextMessage] = []
@@ -82,15 +90,30 @@ class SeatedHunt:
 
     # What participants do
 
-    def join(self, seat: str, run: str = "") -> None:
+    def join(self, seat: str, run: str = "", *, simulated: bool = False) -> None:
         """Connect the program of a seat, for the first time or again; another program has another run."""
         self.present.add(seat)
-        self._queue.append(encode_notice(program_of(seat), KEEPER, ParticipantReady(run)))
+        self._queue.append(encode_notice(program_of(seat), KEEPER, ParticipantReady(run, simulated)))
 
     def leave(self, seat: str) -> None:
         """Disconnect the program of a seat."""
         self.present.discard(seat)
         self._left.append(program_of(seat))
+
+    def take_as_researcher(self, seat: str) -> str:
+        """Connect the program of a researcher for a seat. Return the reason why it is refused; empty if it is not."""
+        refused = self.keeper.refused_name(researchers_program(seat), True)
+        if refused is not None:
+            return refused.reason
+        self._researchers.add(seat)
+        self._queue.append(encode_notice(researchers_program(seat), KEEPER, ParticipantReady("")))
+        self.run(3)
+        return ""
+
+    def ask_as_researcher(self, seat: str, *requests: NoticeValue) -> None:
+        """Send requests of a researcher in the place of a participant."""
+        self._queue += [encode_notice(researchers_program(seat), KEEPER, request) for request in requests]
+        self.run(3)
 
     def ask(self, seat: str, *requests: ParticipantRequest, ticks: int = 3) -> View:
         """Send requests of a participant, and return the view after some ticks."""
@@ -121,7 +144,8 @@ class SeatedHunt:
         forwarded = []
         for message in queue:
             seat = seat_name_of(message.receiver)
-            delivered = not seat or seat in self.present
+            here = self._researchers if is_researchers(message.receiver) else self.present
+            delivered = not seat or seat in here
             forwarded.append(Forwarded(message, delivered, sender_extended=True))
             if not seat:
                 inboxes[message.receiver].append(message)
@@ -135,6 +159,9 @@ class SeatedHunt:
         self._tick += 1
         self.entries += self.keeper.decisions.entries
         self.refusals += self.keeper.decisions.refusals
+        self.dismissed += self.keeper.dismissed
+        for program, _ in self.keeper.dismissed:
+            self._researchers.discard(seat_name_of(program))
 
     # What happened
 

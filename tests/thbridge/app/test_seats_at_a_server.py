@@ -7,12 +7,14 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.hunts.recorded_hunts import assert_equal_replay
 from thbridge.app.compose.game import build_bot, seat_seed
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions, play
 from thbridge.app.programs import reason_of, tabui
 from thbridge.app.session.session import TickRecord
-from thbridge.hunt.events import Event, RobotDeparted, TreasureIdentified
+from thbridge.hunt.events import Event, RobotDeparted, SeatTaken, TeamEntry, TreasureIdentified
+from thbridge.hunt.seats import PlayedBy
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.shared.notices import FloorPlan, PlannedPaths, PoseTelemetry
 from thbridge.sockets.addresses import ListeningAddress
@@ -41,27 +43,33 @@ class Lab:
     Args:
         setting: the study.
         visit: what happens at the server; the game stops afterwards.
+        bag: path of the recording; None for none.
 
     Attributes:
         first: the first tick.
         last: the last tick so far.
         events: events of the game so far.
         refusals: refused requests and lines so far.
+        team: entries about the participants so far.
         joined: True once a participant has joined.
         port: port of the server.
         lost: reasons why programs lost their connections, by seat.
     """
 
-    def __init__(self, setting: StudySetting, visit: "Callable[[Lab], Awaitable[None]]") -> None:
+    def __init__(
+        self, setting: StudySetting, visit: "Callable[[Lab], Awaitable[None]]", bag: Path | None = None
+    ) -> None:
         self.setting = setting
         self.first: TickRecord | None = None
         self.last: TickRecord | None = None
         self.events: list[Event] = []
         self.refusals: list[str] = []
+        self.team: list[TeamEntry] = []
         self.joined = False
         self.port = 0
         self.lost: dict[str, list[ConnectionLost]] = {}
         self._visit = visit
+        self._bag = bag
         self._over = False
 
     def run(self) -> None:
@@ -79,7 +87,7 @@ class Lab:
                 visits.append(asyncio.ensure_future(visit()))
 
             visits: list[asyncio.Future[None]] = []
-            options = PlayOptions(0.0, None, OUTSIDE, "", float("inf"), left=lambda: self._over)
+            options = PlayOptions(0.0, self._bag, OUTSIDE, "", float("inf"), left=lambda: self._over)
             with pytest.raises(HuntUnfinished):
                 await play(self.setting, (), options, ready, self._note)
             await visits[0]
@@ -91,11 +99,13 @@ class Lab:
         while not condition():
             await asyncio.sleep(0.0)
 
-    def play_as(self, seat: str, observer: "Observer | None" = None, token: str = "") -> "asyncio.Future[object]":
+    def play_as(
+        self, seat: str, observer: "Observer | None" = None, token: str = "", by: PlayedBy = PlayedBy.PERSON
+    ) -> "asyncio.Future[object]":
         """Start a program with a simulated participant, which takes a seat."""
         bot = build_bot(self.setting.templates, "nearest", seat_seed(1, seat))
-        lost = self.lost.setdefault(seat, [])
-        role = TabUI(bot, observer, seat=seat)
+        role = TabUI(bot, observer, seat=seat, by=by)
+        lost = self.lost.setdefault(role.name if by is PlayedBy.RESEARCHER else seat, [])
         program = tabui(role, "127.0.0.1", self.port, token or f"t-{seat}", lost.append, lambda view: None)
         return asyncio.ensure_future(program)
 
@@ -104,6 +114,7 @@ class Lab:
         self.events += tick.events
         self.refusals += map(str, tick.refusals)
         self.joined = self.joined or bool(tick.team)
+        self.team += tick.team
 
     @property
     def tick(self) -> int:
@@ -220,3 +231,28 @@ def test_a_program_learns_why_it_has_no_seat(setting: StudySetting) -> None:
     assert reason_of(lab.lost[""][0]) == f"the server refused the connection: this game has several seats; {remedy}"
     assert reason_of(lab.lost["pilot"][0]).endswith(f"this game has no seat pilot; {remedy}")
     assert reason_of(lab.lost["driver"][0]).startswith("another program uses this name at the server")
+
+
+def test_a_researcher_plays_a_seat_until_its_person_is_there(setting: StudySetting, tmp_path: Path) -> None:
+    async def visit(lab: Lab) -> None:
+        running = [lab.play_as("driver", by=PlayedBy.RESEARCHER), lab.play_as("namer")]
+        await lab.until(lambda: any(isinstance(event, RobotDeparted) for event in lab.events))
+        running.append(lab.play_as("driver"))
+        await lab.until(lambda: bool(lab.lost["Researcher-driver"]))
+        assert not lab.lost["driver"]
+        running.append(lab.play_as("namer", token="another", by=PlayedBy.RESEARCHER))
+        await lab.until(lambda: bool(lab.lost["Researcher-namer"]))
+        for each in running:
+            each.cancel()
+
+    bag = tmp_path / "hunt.bag"
+    lab = Lab(setting, visit, bag)
+    lab.run()
+    taken = [(each.seat, each.by) for each in lab.team if isinstance(each, SeatTaken)]
+    assert [by for seat, by in taken if seat == "driver"] == [PlayedBy.RESEARCHER, PlayedBy.PERSON]
+    assert [by for seat, by in taken if seat == "namer"] == [PlayedBy.PERSON]
+    for seat in SEATS:
+        told = reason_of(lab.lost[f"Researcher-{seat}"][0])
+        assert f"a person plays the seat {seat} now; take a seat that is empty, or whose person is away" in told
+    assert lab.last is not None
+    assert_equal_replay(bag, lab.last.tick + 1)

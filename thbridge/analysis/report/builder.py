@@ -268,7 +268,7 @@ class ReportBuilder:
         self._utterances.append((time, message))
         robot = robot_name(message.robot)
         who = robot if message.speaker == "robot" else f"{message.seat or 'participant'} to {robot}"
-        who += " (researcher)" if message.author == "wizard" else ""
+        who += " (researcher)" if message.is_by_wizard else ""
         self._timeline.append(TimelineEntry(time, "said", who, message.room, message.text or message.move))
 
     def _dialogue_move(self, time: float, topic: str, data: bytes) -> None:

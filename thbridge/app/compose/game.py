@@ -21,7 +21,7 @@ from thbridge.dialogue.wording.language import Language
 from thbridge.files.set_words import SetWords, values_of
 from thbridge.files.template_files import TemplateSet
 from thbridge.hunt.events import JournalEntry
-from thbridge.hunt.seats import ONE_SEAT
+from thbridge.hunt.seats import ONE_SEAT, PlayedBy
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper.advice.adviser import Adviser
@@ -191,7 +191,8 @@ def build_participant(setting: StudySetting, seat: str, strategy: str | None = N
     for entry in study.seats:
         if entry.name == seat:
             chosen, attitude = strategy or entry.strategy or who.strategy, entry.attitude or who.attitude
-    return TabUI(build_bot(setting.templates, chosen, seat_seed(study.seed, seat), attitude), seat=seat)
+    bot = build_bot(setting.templates, chosen, seat_seed(study.seed, seat), attitude)
+    return TabUI(bot, seat=seat, by=PlayedBy.PROGRAM)
 
 
 def seat_seed(seed: int, seat: str) -> int:

@@ -84,6 +84,10 @@ class RecordedRouter:
             self._inputs.add(inputs.ConnectionClosed(connection, sender))
         return self._noted(self._router.eof(connection))
 
+    def dismiss(self, name: str, reason: str) -> list[RouterOutput]:
+        """End a program's connection for a reason of the game. This is not recorded, because replays do it, too."""
+        return self._noted(self._router.dismiss(name, reason))
+
     def report_backlog(self, connection: ConnectionId, size: int) -> list[RouterOutput]:
         """Record that the client of a connection does not read."""
         sender = self._router.display_name(connection)

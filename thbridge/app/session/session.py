@@ -261,6 +261,8 @@ class Session:
         # The keeper's events are written to the journal before any message about them is sent. So after a crash, the
         # journal contains all events that other programs know.
         self._step_role(self._keeper)
+        for program, reason in self._keeper.dismissed:
+            self.perform(self.router.dismiss(program, reason))
         decisions = self._keeper.decisions
         by_keys = self._keys_used(decisions.entries)
         if self._log is not None:

@@ -6,7 +6,7 @@ a crash cannot lose an event that another program already knows.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias, get_args
 
@@ -26,7 +26,7 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.properties import TreasureProperty
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rules import MOST_ROBOTS
-from thbridge.hunt.seats import ONE_SEAT, Seat
+from thbridge.hunt.seats import ONE_SEAT, PlayedBy, Seat
 from thbridge.roles.keeper.advice.adviser import Adviser
 from thbridge.roles.keeper.advice.robot_knowledge import RobotKnowledge
 from thbridge.roles.keeper.disclosed.briefing import Briefing
@@ -64,7 +64,7 @@ from thbridge.roles.shared.notices import (
 from thbridge.roles.shared.participant_lines import decode_request_line
 from thbridge.roles.shared.participant_rules import KeeperReason
 from thbridge.roles.shared.robot_requests import CommandRequest, GameRequest
-from thbridge.roles.shared.seat_programs import seat_of, why_no_seat
+from thbridge.roles.shared.seat_programs import is_researchers, researchers_program, seat_of, why_no_seat
 from thbridge.roles.shared.team_notices import MarkRead, ReportPresence, SayToPeople, Vote
 from thbridge.roles.shared.view import (
     Debrief,
@@ -122,6 +122,8 @@ _AFTER_AGREEING = _WISHES - {kind_of(GiveConsent)}
 _COUNTED_WISHES = _AFTER_AGREEING - {kind_of(PlayAgain)}
 """Requests whose repetitions are ignored. `PlayAgain` is not included: it names the finished game, so repetitions have
 no effect. Programs repeat it until robots join."""
+_PERSONAL = {kind_of(kind) for kind in (GiveConsent, DeclineConsent, PlayAgain, ReportPresence)}
+"""Notices that a researcher in the place of a participant cannot send."""
 _QUOTED = 200
 """Maximum number of characters in the quotation of a refused line."""
 
@@ -228,6 +230,8 @@ class Keeper:
 
     Attributes:
         decisions: decisions of the last step. The caller must first write their entries to the journal.
+        dismissed: programs of researchers that must be disconnected after the last step, because participants play
+            their seats again; each with the reason, as a clause.
     """
 
     name = KEEPER
@@ -264,6 +268,7 @@ class Keeper:
         self._requests: list[GameRequest] = []
         self._outgoing: list[TextMessage] = []
         self.decisions = KeeperDecisions((), (), WizardState())
+        self.dismissed: tuple[tuple[str, str], ...] = ()
 
     @property
     def state(self) -> GameState | None:
@@ -288,11 +293,27 @@ class Keeper:
 
     def refused_name(self, program: str, extended: bool) -> NameRefusal | None:
         """Return the reason why a program cannot have its name in this game, or None; see `NameRule`."""
-        reason = why_no_seat(program, self._rules.seats, extended)
+        reason = why_no_seat(program, self._rules.seats, extended) or self._why_not_researcher(program)
         if reason is None:
             return None
         answer = TextMessage.of(TextCommand.ERROR, self.name, program, f"refused: {reason}")
         return NameRefusal(reason, answer if self._tells_refusals else None)
+
+    def _why_not_researcher(self, program: str) -> str | None:
+        """Return the reason, as a clause, why a researcher cannot play a seat now; None if they can."""
+        place = self._place_of(program) if is_researchers(program) else None
+        if place is None or place.played_by in {None, PlayedBy.RESEARCHER}:
+            return None
+        who = "a program" if place.is_simulated else "a person"
+        return f"{who} plays the seat {place.seat.name} now; take a seat that is empty, or whose person is away"
+
+    def _dismiss_researchers(self) -> Iterator[tuple[str, str]]:
+        """Yield the programs of researchers whose seats participants play again, with the reason as a clause."""
+        for place in self._seats.values():
+            program = researchers_program(place.seat.name)
+            if program in place.participants.reachable and (reason := self._why_not_researcher(program)) is not None:
+                place.participants.note_unreachable(program)
+                yield program, reason
 
     def connected(self) -> None:
         """Do nothing. The other programs send notices to the keeper when they are connected."""
@@ -394,10 +415,12 @@ class Keeper:
             self._has_input = True
         # This comes after the messages, because a message of the same tick has the new prices of a stopped robot.
         report_failures(self._game)
-        wizard = self.decisions.wizard
+        wizard, self.dismissed = self.decisions.wizard, ()
         # Without input, the state cannot have changed. Most ticks have no input.
         if self._has_input:
             self._has_input = False
+            if self._rules.seats:
+                self.dismissed = tuple(self._dismiss_researchers())
             if self.state is not None and self._rules.seats:
                 self._game.record(self._game.team.changes(self._present, self._game.tick / TICKS_PER_SECOND))
             if self.state is not None:
@@ -417,9 +440,9 @@ class Keeper:
         return outgoing
 
     @property
-    def _present(self) -> list[str]:
-        """Seats whose participants are connected, and not away from their front ends."""
-        return [name for name, place in self._seats.items() if place.participants.is_present and not place.is_away]
+    def _present(self) -> dict[str, PlayedBy]:
+        """Seats that are played now, and by whom: by participants who are connected and not away, or by researchers."""
+        return {name: by for name, place in self._seats.items() if (by := place.played_by) is not None}
 
     @property
     def _is_joined(self) -> bool:
@@ -445,7 +468,10 @@ class Keeper:
         place = self._place_of(notice.sender)
         if place is None:
             return  # This program has no seat.
-        with self._game.acting(place.seat.name):
+        by_researcher = is_researchers(notice.sender)
+        if by_researcher and (place.played_by not in {None, PlayedBy.RESEARCHER} or notice.kind in _PERSONAL):
+            return  # The participant has come back; or only the participant may decide this.
+        with self._game.acting(place.seat.name, is_researcher=by_researcher):
             if not self._is_turned_away(place, notice):
                 self._handle_participant(place, notice)
 
@@ -473,12 +499,13 @@ class Keeper:
         """Process a notice of a participant's program."""
         value, state = KEEPER_NOTICES.decode(notice), self.state
         match value:
-            case ParticipantReady(run):
+            case ParticipantReady(run, simulated):
                 if place.participants.is_another_program(notice.sender, run):
                     # The journal shows the change also if one program follows another in the same tick.
                     self._game.record(self._game.team.leave(place.seat.name, self._game.seconds))
-                place.consent.join(state, run)
-                place.is_away = False
+                if not is_researchers(notice.sender):
+                    place.consent.join(state, run)
+                    place.is_away, place.is_simulated = False, simulated
                 for robot in range(0 if state is None else len(state.robots)):
                     self._game.attend(robot)
                 self._outgoing += place.participants.join(notice.sender, self._team.map, run)

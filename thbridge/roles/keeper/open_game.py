@@ -8,7 +8,7 @@ from msgspec import structs
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.engine import DialogueEngine
-from thbridge.dialogue.moves import Conclude, DialogueUtterance, Scenario, Speaker, move_text
+from thbridge.dialogue.moves import Author, Conclude, DialogueUtterance, Scenario, Speaker, move_text
 from thbridge.dialogue.robot_arguments import WhereFacts
 from thbridge.hunt import game, rules
 from thbridge.hunt.events import (
@@ -86,7 +86,7 @@ class OpenGame:
         self.refusals: dict[str, RefusalView] = {}
         self.last_refusal: RefusalView | None = None
         self._refusal_count = 0
-        self._seat = ""
+        self._seat, self._is_researcher = "", False
         self._stopped_by: dict[int, str] = {}
         self._entries: list[JournalEntry] = []
         self._utterances: list[DialogueUtterance] = []
@@ -106,13 +106,13 @@ class OpenGame:
         return self.tick / TICKS_PER_SECOND
 
     @contextmanager
-    def acting(self, seat: str) -> Iterator[None]:
-        """Note in this context that the participant of a seat causes all events."""
+    def acting(self, seat: str, *, is_researcher: bool = False) -> Iterator[None]:
+        """Note in this context that the participant of a seat, or a researcher in their place, causes all events."""
         self._gather_utterances()
-        self._seat = seat
+        self._seat, self._is_researcher = seat, is_researcher
         yield
         self._gather_utterances()
-        self._seat = ""
+        self._seat, self._is_researcher = "", False
 
     def attend(self, robot: int) -> None:
         """Record the participant's attention to a robot."""
@@ -148,7 +148,9 @@ class OpenGame:
     def _gather_utterances(self) -> None:
         """Add the utterances since the last call to the queue for the journal."""
         fresh = [
-            replace(said, seat=self._seat) if said.speaker is Speaker.PERSON else said
+            replace(said, seat=self._seat, author=Author.WIZARD if self._is_researcher else said.author)
+            if said.speaker is Speaker.PERSON
+            else said
             for said in self.dialogues.take_utterances()
         ]
         self._utterances += fresh

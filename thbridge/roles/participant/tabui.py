@@ -6,6 +6,7 @@ from typing import Protocol, TypeAlias, assert_never
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.rooms import RoomNames
+from thbridge.hunt.seats import PlayedBy
 from thbridge.roles.shared.notices import (
     KEEPER,
     FloorPlan,
@@ -18,7 +19,7 @@ from thbridge.roles.shared.notices import (
     Subscribe,
 )
 from thbridge.roles.shared.participant_lines import encode_request_line
-from thbridge.roles.shared.seat_programs import program_of
+from thbridge.roles.shared.seat_programs import program_of, researchers_program
 from thbridge.roles.shared.team_notices import ReportPresence, TeamTalk
 from thbridge.roles.shared.view import (
     DeclineConsent,
@@ -81,6 +82,7 @@ class TabUI:
             new requests as repetitions.
         seat: name of the participant's seat; empty in a game with one participant.
         talk: function that receives the texts between participants. If None, the player does not use them.
+        by: who plays the seat, in a game with several seats.
 
     Attributes:
         name: name of the program.
@@ -100,8 +102,10 @@ class TabUI:
         first_number: int = 1,
         seat: str = "",
         talk: Callable[[TeamTalk], None] | None = None,
+        by: PlayedBy = PlayedBy.PERSON,
     ) -> None:
-        self.name = program_of(seat)
+        self.name = researchers_program(seat) if by is PlayedBy.RESEARCHER else program_of(seat)
+        self._is_simulated = bool(seat) and by is PlayedBy.PROGRAM
         self._seat = seat
         self._player = player
         self._observer = observer
@@ -167,8 +171,8 @@ class TabUI:
             self._sent = dict.fromkeys(self._sent, tick + REJOIN_PERIOD - RETRY_PERIOD)
             self._next_poll = min(self._next_poll, tick + REJOIN_PERIOD)
             if self._consent is not None:
-                outgoing.append(encode_request_line(self._consent, seat=self._seat))
-            outgoing.append(encode_notice(self.name, KEEPER, ParticipantReady(self.run)))
+                outgoing.append(encode_request_line(self._consent, sender=self.name))
+            outgoing.append(encode_notice(self.name, KEEPER, ParticipantReady(self.run, self._is_simulated)))
             self._shown_present = True
         if self._seat and self.present != self._shown_present:
             self._shown_present = self.present
@@ -194,7 +198,7 @@ class TabUI:
         for request in due:
             self._sent[request] = tick
         self._next_poll = min(self._sent.values(), default=tick) + RETRY_PERIOD
-        return [*reported, *(encode_request_line(request, self._numbers[request][0], self._seat) for request in due)]
+        return [*reported, *(encode_request_line(request, self._numbers[request][0], self.name) for request in due)]
 
     def _fresh_number(self, tick: int) -> tuple[int, int]:
         self._last_number += 1

@@ -148,9 +148,11 @@ class ParticipantReady(NoticeValue, frozen=True, omit_defaults=True, tag="Partic
 
     Attributes:
         run: id of this run of the program. Another run may be for another person. Empty if unknown.
+        simulated: True if a program takes a seat of a game, and not a person.
     """
 
     run: str = ""
+    simulated: bool = False
 
 
 class ParticipantFault(NoticeValue, frozen=True, tag="Failed"):

@@ -2,7 +2,6 @@
 
 from thbridge.hunt.rooms import Room
 from thbridge.roles.shared.notices import KEEPER
-from thbridge.roles.shared.seat_programs import program_of
 from thbridge.roles.shared.view import IdentifyTreasure, ParticipantRequest, SendRobot, SenseTreasure, TakePicture
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage
@@ -13,17 +12,19 @@ LineRequest = SendRobot | SenseTreasure | TakePicture | IdentifyTreasure
 """A request that has a line of 2016."""
 
 
-def encode_request_line(request: ParticipantRequest, number: int | None = None, seat: str = "") -> TextMessage:
+def encode_request_line(
+    request: ParticipantRequest, number: int | None = None, sender: str = legacy.TABUI
+) -> TextMessage:
     """Return the message for a request: a line of 2016 if there is such a line, otherwise a notice to the keeper.
 
     Args:
         request: the request.
         number: number of the request, which is the same in each repetition. Lines of 2016 have no number.
-        seat: name of the participant's seat. In games with several seats, all requests are notices, because lines of
-            2016 do not name the sender reliably.
+        sender: name of the program. In games with several seats, all requests are notices, because lines of 2016 do
+            not name the sender reliably.
     """
-    if seat:
-        return encode_notice(program_of(seat), KEEPER, request, number)
+    if sender != legacy.TABUI:
+        return encode_notice(sender, KEEPER, request, number)
     match request:
         case SendRobot(robot, room):
             return legacy.GotoRoom(robot, Room(room).wire).message()

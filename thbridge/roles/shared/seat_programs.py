@@ -4,11 +4,22 @@ from collections.abc import Iterable, Sequence
 
 from thbridge.hunt.seats import ONE_SEAT, Seat, seat_named
 from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.router import RESEARCHER
 
 
 def program_of(seat: str) -> str:
     """Return the name of the program of a seat."""
     return f"{legacy.TABUI}-{seat}" if seat else legacy.TABUI
+
+
+def researchers_program(seat: str) -> str:
+    """Return the name of the program with which a researcher plays a seat, while no participant does."""
+    return f"{RESEARCHER}{seat}"
+
+
+def is_researchers(program: str) -> bool:
+    """Return True if a researcher plays a seat with this program."""
+    return program.startswith(RESEARCHER)
 
 
 def programs_of(seats: Iterable[str]) -> list[str]:
@@ -19,7 +30,7 @@ def programs_of(seats: Iterable[str]) -> list[str]:
 def seat_name_of(program: str) -> str:
     """Return the name of a program's seat; empty if it has none, as in a game with one participant."""
     before, _, name = program.partition("-")
-    return name if before == legacy.TABUI else ""
+    return name if before == legacy.TABUI or is_researchers(program) else ""
 
 
 def seat_of(program: str, seats: Sequence[Seat]) -> Seat | None:
@@ -40,7 +51,7 @@ def why_no_seat(program: str, seats: Sequence[Seat], extended: bool) -> str | No
         extended: False for a program of 2016.
     """
     before, hyphen, name = program.partition("-")
-    if before != legacy.TABUI:
+    if before != legacy.TABUI and not is_researchers(program):
         return None
     if not seats:
         is_for_seats = extended and hyphen

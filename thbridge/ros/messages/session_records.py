@@ -96,8 +96,9 @@ class UtteranceRecord:
         scenario: scenario of the dialogue, for example "select-room".
         text: the sentence.
         move: dialogue move of the sentence, for example "continue".
-        author: party that chose the sentence: "robot" (its strategy), "person", or "wizard" (a person who speaks for
-            the robot). In a game with several seats, "person" is followed by the seat, for example "person driver".
+        author: party that chose the sentence: "robot" (its strategy), "person", or "wizard" (a researcher who speaks
+            for the robot). In a game with several seats, the party in a seat is followed by the seat, for example
+            "person driver", or "wizard driver" if a researcher plays the seat.
     """
 
     dialogue: int
@@ -113,6 +114,11 @@ class UtteranceRecord:
     def seat(self) -> str:
         """Seat of the participant who chose the sentence; empty for robots, and in games with one participant."""
         return self.author.partition(" ")[2]
+
+    @property
+    def is_by_wizard(self) -> bool:
+        """True if a researcher chose the sentence in the place of a robot or of a participant."""
+        return self.author.partition(" ")[0] == "wizard"
 
 
 @dataclass(frozen=True, slots=True)

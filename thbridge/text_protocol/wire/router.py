@@ -443,6 +443,13 @@ class MessageRouter:
             outputs += self._close(client, CloseReason.STOPPED)
         return outputs
 
+    def dismiss(self, name: str, reason: str) -> list[RouterOutput]:
+        """End the connection of a program of ours whose name the game no longer allows, and send it the reason."""
+        holder = self._holders.get(name)
+        if not isinstance(holder, _Connection):
+            return []
+        return self._refuse_name(holder, name, NameRefusal(reason), extended=True)
+
     def display_name(self, connection: ConnectionId) -> str | None:
         """Return a connection's name for people, or its number if it has no name. If it is not open, return None."""
         client = self._connections.get(connection)
@@ -597,8 +604,11 @@ def farewell(name: str, reason: str) -> bytes:
     return encode_line(notice(SERVER, name, REFUSED, reason=reason).line()) + SHUTDOWN_LINE
 
 
+RESEARCHER = "Researcher-"
+"""Beginning of the names of programs with which researchers play seats of a game."""
 _RIGHTS = {legacy.SIMR: Right.ROBOTS, legacy.HIDER: Right.HIDER}
-"""Right that each program's name requires. All other names require a participant's right."""
+"""Right that each program's name requires; a researcher's program needs the right to intervene. All other names require
+a participant's right."""
 _NEEDS_KEY = "programs of thbridge on another machine need a key"
 PLAY_AGAIN = "PlayAgain"
 """Kind of the notice by which a participant begins another game."""
@@ -606,7 +616,7 @@ PLAY_AGAIN = "PlayAgain"
 
 def right_of(name: str) -> Right:
     """Return the right that is required to register a name."""
-    return _RIGHTS.get(name, Right.PARTICIPANT)
+    return Right.INTERVENE if name.startswith(RESEARCHER) else _RIGHTS.get(name, Right.PARTICIPANT)
 
 
 def _not_entitled(credentials: Credentials, name: str, extended: bool) -> str | None:

@@ -12,6 +12,7 @@ from thbridge.ros.topics import (
     INPUTS,
     ROSOUT,
     SEND_ROBOTS,
+    SHOWN,
     SUCCESS,
     TEAM,
     UTTERANCES,
@@ -38,12 +39,14 @@ class _Numbered(NamedTuple):
 class MessageHistory:
     """Newest message of each topic, and recent messages of the topics in `LISTED`, in bounded memory.
 
+    Of the notices to participants, the newest message of each seat and kind is kept.
+
     Only events of the present game are kept. Each kind of event has its own limit, so that frequent events, such as
     collisions, do not displace the events that contain the state of the rooms.
     """
 
     def __init__(self) -> None:
-        self._levels: dict[Topic, RosMessage] = {}
+        self._levels: dict[tuple[Topic, str], RosMessage] = {}
         self._recent: defaultdict[tuple[Topic, str], _Recent] = defaultdict(_Recent)
         self._count = 0
 
@@ -51,7 +54,7 @@ class MessageHistory:
         """Add a message; messages must be added in order of time."""
         topic = message.topic
         if topic not in LISTED:
-            self._levels[topic] = message
+            self._levels[_level_of(message)] = message
             return
         kind = unpack.game_event(message.data).kind if topic == GAME_EVENTS else ""
         if kind == "started":
@@ -63,10 +66,17 @@ class MessageHistory:
 
     def before(self, latest: Sequence[RosMessage]) -> list[RosMessage]:
         """Return the kept messages, oldest first, without messages that the `latest` messages replace."""
-        replaced = {message.topic for message in latest}
-        levels = [level for topic, level in self._levels.items() if topic not in replaced]
+        replaced = {_level_of(message) for message in latest}
+        levels = [level for key, level in self._levels.items() if key not in replaced]
         listed = sorted(each for recent in self._recent.values() for each in recent.messages)
         return sorted([*levels, *(each.message for each in listed)], key=lambda message: message.stamp_ns)
+
+
+def _level_of(message: RosMessage) -> tuple[Topic, str]:
+    if message.topic != SHOWN:
+        return message.topic, ""
+    notice = unpack.seat_notice(message.data)
+    return SHOWN, f"{notice.seat} {notice.kind}"
 
 
 class _Recent:

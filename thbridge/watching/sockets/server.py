@@ -10,7 +10,7 @@ import asyncio
 import logging
 from asyncio import Protocol as AsyncioProtocol
 from asyncio import Transport
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -98,6 +98,7 @@ class WatchServer:
             machine are admitted.
         definitions: message definitions. If None, the definitions of an installed ROS are used, if there is one.
         bag: path of the session's bag; None if the session records no bag.
+        game: function that returns the address (HOST:PORT) of the game's text server; empty if it is not open.
     """
 
     def __init__(
@@ -106,7 +107,9 @@ class WatchServer:
         keys: KeyVerifier | None = None,
         definitions: Definitions | None = None,
         bag: Path | None = None,
+        game: Callable[[], str] = str,
     ) -> None:
+        self._game = game
         self._bag = "" if bag is None else str(bag.absolute())
         self._ended = False
         self.complaints = WarnOnce(_log)
@@ -249,6 +252,7 @@ class WatchServer:
             dropped=watcher.backlog.dropped,
             bag=self._bag,
             ended=self._ended,
+            game=self._game() if watcher.decoder.credentials.may(Right.INTERVENE) else "",
         )
         self._send([watcher], [RosMessage(_STATUS, self._stamp_ns, status.data())])
 

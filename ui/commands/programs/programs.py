@@ -196,6 +196,14 @@ def tabui(
     client: ClientOptions,
     participant: ParticipantName = None,
     seat: SeatName = None,
+    as_researcher: Annotated[
+        bool,
+        typer.Option(
+            "--as-researcher",
+            help="Play the seat in the place of its person while they are away, until they come back. The recording "
+            "names a researcher as the player. On another machine, the key needs the right `intervene`.",
+        ),
+    ] = False,
     templates: Templates = None,
     seed: Seed = None,
     look: LookOption = ColourScheme.SYSTEM,
@@ -212,6 +220,7 @@ def tabui(
         raise typer.Exit(play_hosted(look.value))
     from thbridge.app import programs
     from thbridge.files.language_texts import shipped_texts
+    from thbridge.hunt.seats import PlayedBy
     from thbridge.roles.participant.bot_strategy import BotStrategy
     from ui.command_line.event_loop import run
     from ui.command_line.keys import key_of
@@ -224,12 +233,19 @@ def tabui(
     host, port = address_of(client.server, study.server)
     shown = None if client.key is None else key_of(client.key)
     own_seat = client_seat(study, study_file, seat)
-    if participant is None and templates is None and seed is None and not as_json:
-        why = why_no_window()
+    if as_researcher and not own_seat:
+        fail(BAD_INPUT, "--as-researcher: only seats of a game with several people can be taken. Add --seat NAME.")
+    why = why_no_window()
+    in_window = participant is None and templates is None and seed is None and not as_json
+    if as_researcher and not (in_window and why is None):
+        reason = why if in_window and why else "A researcher plays in a window."
+        fail(BAD_INPUT, f"--as-researcher: {reason} Omit the options of simulated participants, and use a display.")
+    if in_window:
         if why is None:
             from ui.windows.participant_program import play_at
 
-            raise typer.Exit(play_at(host, port, new_token(), look.value, shown, own_seat))
+            by = PlayedBy.RESEARCHER if as_researcher else PlayedBy.PERSON
+            raise typer.Exit(play_at(host, port, new_token(), look.value, shown, own_seat, by))
         note(f"{why} A simulated participant plays.")
     participant = participant or BotStrategy.SUGGESTION.value
     player = player_of(participant, study, study_file, templates, seed, own_seat)

@@ -108,9 +108,9 @@ class Participants:
         return False
 
     @property
-    def is_present(self) -> bool:
-        """True if at least one program is connected, as far as it is known."""
-        return any(name not in self._unreachable for name in self._members)
+    def reachable(self) -> list[str]:
+        """Names of the programs that are connected, as far as it is known."""
+        return [name for name in self._members if name not in self._unreachable]
 
     def note_unreachable(self, name: str) -> None:
         """Record that a program was disconnected, or that a notice to it could not be delivered."""

@@ -8,12 +8,13 @@ from msgspec import structs
 from thbridge.hunt.events import Commander, ConsentGiven
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rules import RuleReason
-from thbridge.hunt.seats import DialogueSight, Seat
+from thbridge.hunt.seats import DialogueSight, PlayedBy, Seat
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.keeper.disclosed.consent import ConsentAnswer
 from thbridge.roles.keeper.disclosed.participants import Participants
 from thbridge.roles.keeper.team.decisions import TeamDecisions
 from thbridge.roles.shared.notices import KEEPER
+from thbridge.roles.shared.seat_programs import is_researchers
 from thbridge.roles.shared.seat_rights import may_discuss
 from thbridge.roles.shared.view import (
     Debrief,
@@ -39,14 +40,23 @@ class ParticipantSeat:
         participants: programs of the participant.
         consent: consent of the participant.
         is_away: True while the participant is away from their front end.
+        is_simulated: True if the participant is a program.
     """
 
     def __init__(self, seat: Seat, briefing: Briefing) -> None:
         self.seat = seat
         seen = briefing if seat.sees_map else replace(briefing, floor_plan=None)
         self.participants = Participants(KEEPER, seen)
-        self.is_away = False
+        self.is_away = self.is_simulated = False
         self.consent = ConsentAnswer(briefing.consent is not None, seat.name)
+
+    @property
+    def played_by(self) -> PlayedBy | None:
+        """Present player of the seat: its participant, else a researcher; None if there is none."""
+        programs = self.participants.reachable
+        if not self.is_away and programs and not all(map(is_researchers, programs)):
+            return PlayedBy.PROGRAM if self.is_simulated else PlayedBy.PERSON
+        return PlayedBy.RESEARCHER if any(map(is_researchers, programs)) else None
 
     def first_events(self, former: GameState | None) -> tuple[ConsentGiven, ...]:
         """Return the event of consent directly after the start of a game; see `ConsentAnswer.first_events`."""

@@ -1,7 +1,7 @@
 """Texts and votes of the participants of one game."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from thbridge.hunt.events import (
@@ -15,6 +15,7 @@ from thbridge.hunt.events import (
     TeamEntry,
     VoteCast,
 )
+from thbridge.hunt.seats import PlayedBy
 from thbridge.roles.keeper.team.decisions import AgreementRule, TeamDecisions, VotingRules
 from thbridge.roles.keeper.team.people_talk import PeopleTalk, TalkRules
 
@@ -37,24 +38,24 @@ class GameTeam:
         rules: the rules for them.
 
     Attributes:
-        present: seats whose participants are connected, as the journal has them.
+        present: seats that are played, and by whom, as the journal has them.
         talk: their texts.
         decisions: their votes.
     """
 
     def __init__(self, rules: TeamRules) -> None:
-        self.present: frozenset[str] = frozenset()
+        self.present: dict[str, PlayedBy] = {}
         self.talk = PeopleTalk(rules.talk)
         self.decisions = TeamDecisions(rules.voting)
 
-    def changes(self, present: Collection[str], now: float) -> tuple[SeatTaken | SeatLeft, ...]:
+    def changes(self, present: Mapping[str, PlayedBy], now: float) -> tuple[SeatTaken | SeatLeft, ...]:
         """Return the events of participants who have joined or left.
 
         Args:
-            present: seats whose participants are connected now.
+            present: seats that are played now, and by whom.
             now: simulated time, s.
         """
-        joined = (SeatTaken(seat, now) for seat in present if seat not in self.present)
+        joined = (SeatTaken(seat, now, by) for seat, by in present.items() if self.present.get(seat) is not by)
         left = (SeatLeft(seat, now) for seat in sorted(self.present) if seat not in present)
         return (*joined, *left)
 
@@ -65,10 +66,10 @@ class GameTeam:
     def note(self, entry: TeamEntry) -> None:
         """Process an entry of the journal."""
         match entry:
-            case SeatTaken(seat):
-                self.present |= {seat}
+            case SeatTaken(seat, by=by):
+                self.present[seat] = by
             case SeatLeft(seat):
-                self.present -= {seat}
+                self.present.pop(seat, None)
             case PersonSaid() | PersonRead():
                 self.talk.note(entry)
             case DecisionProposed() | VoteCast() | DecisionSettled():
