@@ -165,6 +165,8 @@ PAIRS = (
     Pair("tables.py", "times", "muted", "panel"),
     Pair("researcher/docks/attack_graph.py", "number and tick of an argument", "text", "panel"),
     Pair("researcher/docks/attack_graph.py", "edges of arguments, attacks", "text line good", "window panel", "sign"),
+    Pair("researcher/docks/seats.py", "texts and votes", "text muted", "track"),
+    Pair("researcher/docks/seats.py", "edge of a text or a vote", "accent muted", "track", "sign"),
     Pair("researcher/docks/team.py", "robot with a problem", "bad", "panel"),
     Pair("researcher/docks/team.py", "robot's chip in its edge", "robots", "panel", "sign"),
     Pair("researcher/docks/team.py", "edge of the chip in a selected row", "panel", "accent", "sign"),

@@ -35,6 +35,12 @@ def title_text(text: str) -> str:
     return visible(shown(text, LONGEST_TITLE)).replace("[*]", "[*][*]")
 
 
+def breakable(text: str, longest: int = 16) -> str:
+    """Return a text in which long words have places where a line can end."""
+    words = ("\u200b".join(word[at : at + longest] for at in range(0, len(word), longest)) for word in text.split(" "))
+    return " ".join(words)
+
+
 class PlainLabel(QLabel):
     """Label that shows text literally."""
 

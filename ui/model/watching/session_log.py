@@ -27,6 +27,7 @@ from ui.model.shared.scene import RoomState, decided
 from ui.model.watching.dialogue_log import DialogueCourse, DialogueLog
 from ui.model.watching.messages import WatchedMessage
 from ui.model.watching.scene import Entry, EntryKind
+from ui.model.watching.seat_log import SeatLog
 
 MAX_ENTRIES = 50_000
 """Maximum number of entries in a list; when there are more, the oldest are dropped."""
@@ -34,7 +35,7 @@ TYPES = frozenset({types.GAME_EVENT, types.UTTERANCE, types.INPUT, types.LOG})
 """Types of messages that each become an entry of a list."""
 LINES = frozenset({names.SEND_ROBOTS, names.SUCCESS})
 """Topics with raw lines of the text protocol."""
-_FURTHER = frozenset({types.DIALOGUE_MOVE, types.DIALOGUE_STATE})
+_FURTHER = frozenset({types.DIALOGUE_MOVE, types.DIALOGUE_STATE, types.SEAT_NOTICE})
 """Types of messages that the log uses without adding an entry to a list."""
 
 IMPORTANT = frozenset(
@@ -99,11 +100,13 @@ class SessionLog:
     Attributes:
         room_names: names of the rooms, from the messages received so far.
         ways_made: periods in which robots gave way to others, seconds of ROS time.
+        seats: the seats of the game.
     """
 
     def __init__(self) -> None:
         self.room_names = RoomNames()
         self.ways_made = WaysMade()
+        self.seats = SeatLog()
         self._dialogues = DialogueLog()
         self._entries: dict[EntryKind, list[Entry]] = {kind: [] for kind in get_args(EntryKind)}
         self._dropped: dict[EntryKind, int] = dict.fromkeys(self._entries, 0)
@@ -183,7 +186,7 @@ class SessionLog:
                 utterance = unpack.utterance(message.data)
                 person = utterance.seat or "participant"
                 speaker = robot_name(utterance.robot) if utterance.speaker == "robot" else person
-                speaker += " (wizard)" if utterance.author == "wizard" else ""
+                speaker += " (wizard)" if utterance.is_by_wizard else ""
                 text = utterance.text or utterance.move
                 what = utterance.scenario.replace("-", " ")
                 return Entry(stamp, "said", what, speaker, utterance.robot, utterance.room, text)
@@ -194,6 +197,8 @@ class SessionLog:
                 line = unpack.log(message.data)
                 grave = line.level >= LogLevel.ERROR
                 return Entry(stamp, "log", line.level.name.lower(), line.name, None, None, line.text, grave)
+            case types.SEAT_NOTICE:
+                self.seats.show(stamp, unpack.seat_notice(message.data))
             case types.DIALOGUE_MOVE:
                 self._dialogues.take_move(stamp, unpack.dialogue_move(message.data))
             case types.DIALOGUE_STATE:
@@ -211,6 +216,7 @@ class SessionLog:
         entry = from_json(event.json)
         if not isinstance(entry, TeamEntry):
             return None
+        self.seats.take(stamp, entry)
         list_of: EntryKind = "said" if isinstance(entry, PersonSaid) else "event"
         text = entry_in_words(entry, self.room_names)
         return Entry(stamp, list_of, kind_in_words(event.kind), seat_of_entry(entry), event.robot, event.room, text)
@@ -223,6 +229,7 @@ class SessionLog:
         match event:
             case GameEvent("started"):
                 rooms, commanders, started = {}, _first_commanders(fields), stamp
+                self.seats.begin(stamp, fields)
             case GameEvent("hidden"):
                 treasures = fields.get("treasures")
                 if isinstance(treasures, list):
@@ -245,6 +252,7 @@ class SessionLog:
             case GameEvent("commanded", int(robot)):
                 others = {other: words for other, words in commanders.items() if other != robot}
                 commander = _commander(fields)
+                self.seats.command(stamp, robot, fields)
                 commanders = {**others, robot: commander} if commander else others
             case GameEvent("carried", int(robot)):
                 self._carried[robot].append(stamp)

@@ -19,6 +19,7 @@ from ui.windows.look import GAP, colours, follow_text, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ButtonFace
 from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.panels import OpaqueBackground, set_text
+from ui.windows.untrusted_text import breakable
 
 _OWN_KEYS = {Qt.Key.Key_Tab, Qt.Key.Key_Backtab, *(getattr(Qt.Key, f"Key_F{number}") for number in range(1, 13))}
 """Keys that belong to the window also while a person writes."""
@@ -97,8 +98,8 @@ class TextBubble(QWidget):
             self._own, self._pending = text.own, text.pending
             self.update()
         # Long words without spaces would widen the panel.
-        set_text(self._who, f"{_breakable(text.who)} · {time}")
-        set_text(self._text, _breakable(text.text))
+        set_text(self._who, f"{breakable(text.who)} · {time}")
+        set_text(self._text, breakable(text.text))
         self.setAccessibleName(f"{text.who}: {text.text}")
 
     def paintEvent(self, _event: QPaintEvent) -> None:
@@ -302,7 +303,7 @@ class PeopleView(ActionWidget):
         for person, row in zip(people, self._rows, strict=False):
             name = person.name[:1].upper() + person.name[1:]
             sign = "" if not person.presence else "● " if person.present else "○ "
-            parts = filter(None, (f"{sign}{_breakable(name)}", person.presence, person.commands))
+            parts = filter(None, (f"{sign}{breakable(name)}", person.presence, person.commands))
             set_text(row, " · ".join(parts))
             row.setToolTip(person.may)
         for at, row in enumerate(self._rows):
@@ -348,9 +349,3 @@ class PeopleView(ActionWidget):
 def _show_if_any(label: QLabel, text: str) -> None:
     set_text(label, text)
     label.setVisible(bool(text))
-
-
-def _breakable(text: str, longest: int = 16) -> str:
-    """Return a text in which long words have places where a line can end."""
-    words = ("\u200b".join(word[at : at + longest] for at in range(0, len(word), longest)) for word in text.split(" "))
-    return " ".join(words)

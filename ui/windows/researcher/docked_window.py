@@ -5,7 +5,7 @@ from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QAccessible,
     QAccessibleAnnouncementEvent,
@@ -48,6 +48,7 @@ from ui.windows.researcher.docks.displays import SWITCHES, DisplaysPanel
 from ui.windows.researcher.docks.log import LogView
 from ui.windows.researcher.docks.playback import PlaybackBar
 from ui.windows.researcher.docks.plots import Plots
+from ui.windows.researcher.docks.seats import SeatsDock
 from ui.windows.researcher.docks.team import TeamTable
 from ui.windows.researcher.docks.topics import TopicTree
 from ui.windows.researcher.docks.wizard import WizardDock
@@ -140,6 +141,9 @@ class DockedWindow(QMainWindow):
         self.topics = TopicTree()
         self.arguments = ArgumentsDock()
         self.wizard = WizardDock()
+        self.seats = SeatsDock(live)
+        self.seats.setParent(self)
+        self.seats.hide()
         self.tool = MapTool.LOOK
         self._tool_actions: dict[MapTool, QAction] = {}
         self._robot_actions: list[QAction] = []
@@ -221,6 +225,19 @@ class DockedWindow(QMainWindow):
             self._size_docks()
         else:
             self.resizeDocks([plots], [self.width() // 2], Qt.Orientation.Horizontal)
+
+    def add_seats_dock(self) -> None:
+        """Add the dock of the seats next to the plots, in front. Windows of games with one participant have none."""
+        dock = self._dock("Seats", self.seats, keeps_room=True)
+        self.tabifyDockWidget(self.dock("Arguments"), dock)
+        self._docks.insert(-1, dock)
+        self._panes.addAction(dock.toggleViewAction())
+        if (layout := self.layout()) is not None:
+            layout.activate()
+        for tabs in self.findChildren(QTabBar):
+            tabs.setAccessibleName("Panes")
+        self._order_focus()
+        QTimer.singleShot(0, dock.raise_)  # Qt has the tab of a new dock only after its layout.
 
     def dock(self, title: str) -> QDockWidget:
         """Return the dock with this title."""
@@ -364,10 +381,10 @@ class DockedWindow(QMainWindow):
         bar.addWidget(spacer)
         if not live:
             bar.addWidget(self._menu_button("Bookmarks", "Set, remove and visit bookmarks", self._bookmark_menu()))
-        panes = QMenu(self)
+        self._panes = QMenu(self)
         for dock in self._docks:
-            panes.addAction(dock.toggleViewAction())
-        bar.addWidget(self._menu_button("Panes", "Show or hide parts of the window", panes))
+            self._panes.addAction(dock.toggleViewAction())
+        bar.addWidget(self._menu_button("Panes", "Show or hide parts of the window", self._panes))
         bar.addAction(self._action("Keys (F1)", "F1", self.show_keys))
 
     def _file_menu(self, live: bool) -> QMenu:

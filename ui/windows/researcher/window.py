@@ -20,6 +20,7 @@ from ui.model.shared.theme import Palette
 from ui.model.watching.bookmarks import Bookmarks, clock
 from ui.model.watching.curves import as_steps, broken
 from ui.model.watching.scene import NO_POINTS, RobotScene, Scene, ShownLayers
+from ui.model.watching.seat_rows import seat_rows, team_lines
 from ui.model.watching.series import RobotSeries
 from ui.sources.numbers import PlottedField
 from ui.windows.map import MapView
@@ -33,6 +34,7 @@ from ui.windows.researcher.log_updater import LogUpdater
 from ui.windows.researcher.map.overlays import Overlays
 from ui.windows.researcher.map.sign import TroubleSign
 from ui.windows.researcher.pictures import NO_FFMPEG, VideoWriter, ffmpeg, image_of
+from ui.windows.researcher.seat_windows import SeatWindows
 from ui.windows.researcher.tool_controller import ToolController
 
 FRAME = 33
@@ -79,6 +81,8 @@ class ResearcherWindow(DockedWindow):
         self.bookmarks = Bookmarks()
         self._ended_bag: str | None = None
         self._contents_shown = feed.live
+        self._has_seats = False
+        self._seat_windows = SeatWindows(self.show_status, self)
         self._plotted: tuple[int, ...] = ()
         self._bodies: dict[int, FloatArray] = {}
         self._frames = 0
@@ -117,6 +121,7 @@ class ResearcherWindow(DockedWindow):
         for log in self.logs.values():
             log.chosen.connect(transport.seek)
         self.arguments.chosen.connect(transport.seek)
+        self.seats.wanted.connect(self._take_seat)
         self.team.selected.connect(self._choose_row)
         self.robot_stepped.connect(self._next_robot)
         self.follow_toggled.connect(self._follow)
@@ -231,10 +236,27 @@ class ResearcherWindow(DockedWindow):
 
     def _show_figures(self, scene: Scene) -> None:
         self.team.show_rows([_row_of(robot) for robot in scene.robots], self._place(self._selected))
+        self._show_seats()
         self.wizard.show_wizard(scene.wizard, len(scene.robots), self._feed.data.log.room_names)
         if self.arguments.isVisible():
             self._show_arguments()
         self.show_waiting(len(scene.wizard.turns) + len(scene.wizard.advice))
+
+    def _show_seats(self) -> None:
+        """Show the seats of the game at the time shown; the dock appears with the first game that has seats."""
+        feed = self._feed
+        log, start_ns = feed.data.log, feed.data.start_ns
+        state = log.seats.at(start_ns + round(self._transport.time * 1e9))
+        if state.seats and not self._has_seats:
+            self._has_seats = True
+            self.add_seats_dock()
+        if self.seats.isVisible():
+            self.seats.show_seats(seat_rows(state), team_lines(state, log.room_names, start_ns), feed.no_seat)
+
+    def _take_seat(self, seat: str) -> None:
+        """Open the participant's window for a seat, in which the researcher plays in the place of its person."""
+        command = self._feed.seat_command(seat)
+        self.show_status(command if isinstance(command, str) else self._seat_windows.open(seat, command))
 
     def _show_arguments(self) -> None:
         feed = self._feed
@@ -440,6 +462,7 @@ class ResearcherWindow(DockedWindow):
         self._timer.stop()
         self._working.stop()
         self._feed.close()
+        self._seat_windows.close()
         super().closeEvent(event)
         self.closed.emit()
 

@@ -96,6 +96,13 @@ class Feed(Protocol):
     def ended_bag(self) -> str | None:
         """Path of the bag of an ended session; empty if there is no bag; None while the session runs."""
 
+    @property
+    def no_seat(self) -> str:
+        """Sentence with the reason why the researcher cannot take any seat of the game; empty if they can."""
+
+    def seat_command(self, seat: str) -> tuple[str, ...] | str:
+        """Return the arguments of the command that opens a window for a seat, or the reason why there is none."""
+
     def advance(self, now: float) -> None:
         """Fetch new data, and advance time; `now` is in monotonic seconds."""
 

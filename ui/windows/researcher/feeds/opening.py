@@ -43,7 +43,7 @@ def open_feed(what: str, key: Path | None, wait: float) -> OpenedFeed:
     address = address_in(what)
     if address is not None:
         client = WatchClient(address.host, address.port, None if key is None else read_key(key))
-        return OpenedFeed(SessionFeed(WatchConnection(client), str(address)), str(address), str(address))
+        return OpenedFeed(SessionFeed(WatchConnection(client), str(address), key), str(address), str(address))
     if key is not None:
         raise BadFile(Path(what), "this is not an address HOST:PORT, and a recording needs no key", "remove the key")
     opener = BagOpener(Path(what))

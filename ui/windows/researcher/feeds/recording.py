@@ -141,7 +141,7 @@ class RecordingFeed:
     """
 
     live = False
-    refusal = RECORDED.sentence
+    refusal = no_seat = RECORDED.sentence
     ended_bag = None
 
     def __init__(self, opener: BagOpener) -> None:
@@ -154,6 +154,10 @@ class RecordingFeed:
         self._notices: list[str] = []
         self.data = FeedData(0, 0, SessionLog(), Series(0))
         self.transport = RecordingTransport()
+
+    def seat_command(self, seat: str) -> tuple[str, ...] | str:
+        """Return the reason why a recording has no seats to play."""
+        return self.no_seat
 
     def advance(self, now: float) -> None:
         """Begin to use the recording when it is open, and advance the time shown."""

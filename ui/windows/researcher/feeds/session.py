@@ -12,6 +12,8 @@ from thbridge.files.map_files import MapRoom
 from thbridge.roles.shared.robot_requests import Pause, Resume, SetRate, Step
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.names import MAP_FRAME
+from thbridge.sockets.addresses import Address
+from thbridge.sockets.admission import is_own
 from thbridge.sockets.reconnecting import ConnectionLost, LossReason
 from thbridge.watching.sockets.client import WatchClient, WatchConnected
 from thbridge.watching.wire import SessionMessage, WatchStatus, parse_status
@@ -28,6 +30,8 @@ DELAY_WINDOW = 2.0
 LAG_THRESHOLD, LAG_WINDOW = 0.5, 10.0
 """A session is reported as too slow if its lag increases by more than the first number within the second number,
 seconds."""
+_WILDCARDS = frozenset({"0.0.0.0", "::"})
+"""Addresses of servers that listen on all addresses of their machine."""
 STALE_AFTER = 1.5
 """After this number of seconds without a message, "no messages" is reported for a session that is not paused."""
 
@@ -123,14 +127,16 @@ class SessionFeed:
     Args:
         connection: connection to the watch server.
         address: address of the watch server, for people.
+        key: file with the researcher's key; None for none.
     """
 
     live = True
     refusal = ""
 
-    def __init__(self, connection: WatchConnection, address: str) -> None:
+    def __init__(self, connection: WatchConnection, address: str, key: Path | None = None) -> None:
         self._connection = connection
         self._address = address
+        self._key = key
         self._source = LiveSource()
         self.transport = SessionTransport(self._source, self.ask)
         self._lost: ConnectionLost | None = None
@@ -154,6 +160,39 @@ class SessionFeed:
         """Path of the session's bag on the session's machine, after the session has ended."""
         status = self.transport.status
         return status.bag if status is not None and status.ended else None
+
+    @property
+    def no_seat(self) -> str:
+        """Sentence with the reason why the researcher cannot take any seat; see `Feed`."""
+        found = self._seat_server()
+        return found if isinstance(found, str) else ""
+
+    def seat_command(self, seat: str) -> tuple[str, ...] | str:
+        """Return the arguments of the command that opens a window for a seat; see `Feed`."""
+        server = self._seat_server()
+        if isinstance(server, str):
+            return server
+        # Programs on the machine of the game need no key.
+        key = () if self._key is None or is_own(server.host) else ("--key", str(self._key))
+        return ("tabui", "--as-researcher", "--seat", seat, "--server", f"{server.host}:{server.port}", *key)
+
+    def _seat_server(self) -> Address | str:
+        """Return the text server of the game, as this machine reaches it, or the reason why it does not."""
+        status = self.transport.status
+        if self.ended_bag is not None or status is None:
+            return "There is no running game."
+        host, _, port = status.game.rpartition(":")
+        if not port.isdecimal():
+            return "Your key only allows watching, or the game's server is not open yet."
+        watched = self._address.rpartition(":")[0].strip("[]")
+        if host in _WILDCARDS:
+            host = watched
+        elif is_own(host) and not is_own(watched):
+            return (
+                f"The game's server only accepts programs on its own machine ({watched}). Run `thbridge watch` there, "
+                "or start the game with another address of its server."
+            )
+        return Address(host, int(port))
 
     def advance(self, now: float) -> None:
         """Handle the received messages."""
