@@ -12,10 +12,15 @@ from tests.support.programs.chromium import CHROMIUM, Chromium
 from tests.support.programs.shown_pages import PageState, StateServer, shown_game
 from tests.support.windows import sample_screens
 from thbridge.files.language_texts import shipped_texts
-from ui.model.kiosk import GameToJoin
+from ui.model.kiosk import GameToJoin, TurnToAwait
 
 pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="Chromium is not installed (make peers, as root)")
 
+IN_ANOTHER_TAB = """
+document.hasFocus = () => false;
+WebSocket = class extends WebSocket { constructor(...given) { super(...given); window.socket = this; } };
+"""
+"""JavaScript after which the page does not have the focus, and its socket can be used."""
 FIELD = "document.querySelector('.people textarea')"
 
 
@@ -51,6 +56,18 @@ def sent(server: StateServer, browser: Chromium, kind: str) -> list[dict[str, An
         if (done and done[-1]["act"] == kind) or time.monotonic() > end:
             return done
         browser.evaluate("new Promise(requestAnimationFrame)")
+
+
+def test_the_title_calls_back_a_person_who_waits_in_another_tab(server: StateServer, browser: Chromium) -> None:
+    server.state = PageState("turn", (TurnToAwait(1, "Please wait", "The others come."),))
+    browser.open(server.address, IN_ANOTHER_TAB)
+    browser.until("document.querySelector('.waiting-page') !== null")
+    title = browser.evaluate("document.title")
+    ready = json.dumps({"t": "wait", "page": 2, "heading": "One moment", "text": "", "step": "", "share": 0})
+    browser.evaluate(f"socket.dispatchEvent(new MessageEvent('message', {{data: {json.dumps(ready)}}}))")
+    browser.until(f"document.title === {json.dumps(f'● {title}')}")
+    browser.evaluate("window.dispatchEvent(new Event('focus'))")
+    assert browser.evaluate("document.title") == title
 
 
 def test_a_game_of_one_participant_has_no_panel(server: StateServer, browser: Chromium) -> None:

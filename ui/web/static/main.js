@@ -151,7 +151,16 @@ function showMessage({ heading, text, close }) {
   shown.replaceChildren(element("section", { class: "notice" }, element("h2", { text: heading }), element("p", { class: "prose", text }), button));
 }
 
+// A person who waits may look at another tab: a sound and the tab's title call them back.
+function callBack() {
+  import("./sounds.js").then(({ play }) => play("question"));
+  const title = document.title;
+  document.title = `● ${title}`;
+  window.addEventListener("focus", () => (document.title = title), { once: true });
+}
+
 function replace(next) {
+  if (page?.message?.t === "turn" && !document.hasFocus()) callBack();
   page?.close();
   game?.close();
   game = null;
