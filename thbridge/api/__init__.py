@@ -11,5 +11,6 @@ from thbridge.api.snapshot import HuntSnapshot as HuntSnapshot
 from thbridge.api.study import HuntStudy as HuntStudy
 from thbridge.api.view import HuntAgreement as HuntAgreement
 from thbridge.api.view import HuntDialogue as HuntDialogue
+from thbridge.api.view import HuntObjection as HuntObjection
 from thbridge.api.view import HuntView as HuntView
 from thbridge.api.view import HuntVote as HuntVote

@@ -7,7 +7,8 @@ from typing import Literal, SupportsIndex
 from sim.common.robot_numbers import index_of
 from thbridge.api.errors import HuntError
 from thbridge.api.view import HuntView, view_of
-from thbridge.roles.shared.team_notices import SayToPeople, Vote
+from thbridge.hunt.events import ObjectionReason
+from thbridge.roles.shared.team_notices import REASONS, RaiseObjection, SayToPeople, Vote
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     EndGame,
@@ -163,6 +164,27 @@ class HuntParticipant:
     def vote(self, decision: int, agrees: bool, reason: str = "") -> None:
         """Vote on a decision, given its number in `view.votes`."""
         self._ask(Vote(whole("decision", decision), agrees, reason))
+
+    def object_to(self, robot: int, reason: str, text: str = "") -> None:
+        """Object in the open dialogue of another seat with a robot, once in a dialogue.
+
+        Args:
+            robot: number of the robot.
+            reason: "too-far", "other-room" or "other-robot" about a move, "not-needed" or "save-energy" about a
+                picture, "wrong-name" or "not-sure" about a name.
+            text: own words about it, if the study lets participants send texts.
+
+        Raises:
+            HuntError: there is no open dialogue with the robot, or the reason does not fit it.
+        """
+        view = self._view()
+        dialogues = () if view is None else view.dialogues
+        talk = next((each for each in dialogues if each.robot == self._index(robot)), None)
+        if talk is None:
+            raise HuntError(f"no dialogue with robot {robot} is open. Check view.dialogues first.")
+        if reason not in REASONS[talk.matter]:
+            raise HuntError(f"there is no reason {reason!r}. Give one of these: {', '.join(REASONS[talk.matter])}.")
+        self._ask(RaiseObjection(talk.dialogue, ObjectionReason(reason), text))
 
     def end_game(self) -> None:
         """End the game even if robots can still act."""

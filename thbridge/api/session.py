@@ -78,9 +78,9 @@ class HuntEvent:
         seconds: simulated time of the session.
         kind: kind of the event. Events of the game are "started", "hidden", "departed", "arrived", "failed", "sensed",
             "pictured", "identified", "left", "ended" and further kinds, as in recordings. In a game with several seats,
-            "personsaid", "proposed", "voted" and "settled" are texts and votes of participants, and `data` has the
-            `seat` of the participant who caused an event. Other events are "said" (a sentence in a dialogue), "refused"
-            (a refused request), and "goal" (the end of a robot's goal).
+            "personsaid", "proposed", "voted", "settled" and "objected" are texts, votes and objections of participants,
+            and `data` has the `seat` of the participant who caused an event. Other events are "said" (a sentence in a
+            dialogue), "refused" (a refused request), and "goal" (the end of a robot's goal).
         robot: number of the robot, from 1; None if the event is not about a robot.
         room: number of the room, from 1; None if the event is not about a room.
         text: for "said", the sentence; for "refused", the reason; for "goal", "reached", "cancelled", or the reason for

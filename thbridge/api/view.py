@@ -9,12 +9,27 @@ import numpy as np
 from sim.common.robot_numbers import number_of
 from thbridge.api.snapshot import Booleans, Floats, Integers
 from thbridge.roles.shared.team_notices import DecisionView
-from thbridge.roles.shared.view import View
+from thbridge.roles.shared.view import View, objections_of
+
+
+@dataclass(frozen=True, slots=True)
+class HuntObjection:
+    """Objection of the participant of another seat in a dialogue.
+
+    Attributes:
+        seat: seat of that participant.
+        reason: reason, such as "too-far"; see `HuntParticipant.object_to`.
+        text: own words of that participant; may be empty.
+    """
+
+    seat: str
+    reason: str
+    text: str
 
 
 @dataclass(frozen=True, slots=True)
 class HuntDialogue:
-    """A dialogue between a robot and the participant.
+    """A dialogue between a robot and the participant, or the participant of another seat.
 
     Attributes:
         robot: number of the robot, from 1.
@@ -22,6 +37,7 @@ class HuntDialogue:
         room: number of the room that the dialogue is about.
         said: all sentences so far, oldest first.
         choices: answers that the participant may give. The first is the most agreeable. Empty during the robot's turn.
+        objections: objections of other seats so far, oldest first.
     """
 
     robot: int
@@ -29,6 +45,7 @@ class HuntDialogue:
     room: int
     said: tuple[str, ...]
     choices: tuple[str, ...]
+    objections: tuple[HuntObjection, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,9 +169,17 @@ class HuntView:
 
     @property
     def dialogues(self) -> tuple[HuntDialogue, ...]:
-        """Open dialogues of robots with the participant."""
+        """Open dialogues of robots with the participant, and those of other seats that the participant sees."""
+        raised = objections_of(self._view)
         return tuple(
-            HuntDialogue(number_of(each.robot), each.matter, each.room, each.said, each.choices)
+            HuntDialogue(
+                number_of(each.robot),
+                each.matter,
+                each.room,
+                each.said,
+                each.choices,
+                tuple(HuntObjection(it.seat, it.reason, it.text) for it in raised if it.dialogue == each.dialogue),
+            )
             for each in self._view.dialogues
         )
 

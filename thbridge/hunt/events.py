@@ -480,6 +480,42 @@ class DecisionSettled(_Event, frozen=True, tag="settled"):
     at: Number
 
 
+class ObjectionReason(StrEnum):
+    """Reason for an objection to a robot's move, to a picture, or to the name of a treasure."""
+
+    TOO_FAR = "too-far"
+    OTHER_ROOM = "other-room"
+    OTHER_ROBOT = "other-robot"
+    NOT_NEEDED = "not-needed"
+    SAVE_ENERGY = "save-energy"
+    WRONG_NAME = "wrong-name"
+    NOT_SURE = "not-sure"
+
+
+class ObjectionRaised(_Event, frozen=True, tag="objected"):
+    """A participant objected in a dialogue of another seat with a robot. Only journals have this event.
+
+    Attributes:
+        dialogue: number of the dialogue.
+        seat: seat of the participant who objects.
+        robot: index of the robot in the dialogue.
+        room: room in the dialogue.
+        reason: reason of the objection.
+        text: the participant's own words about it; may be empty.
+        after: number of sentences in the dialogue before the objection.
+        at: simulated time, s.
+    """
+
+    dialogue: int
+    seat: str
+    robot: int
+    room: Room
+    reason: ObjectionReason
+    text: str
+    after: int
+    at: Number
+
+
 class KeyUsed(_Event, frozen=True, tag="key"):
     """A client used a key to join or to send a request. Only journals have this event.
 
@@ -516,8 +552,10 @@ Event = (
     | GameEnded
 )
 
-TeamEntry = SeatTaken | SeatLeft | PersonSaid | PersonRead | DecisionProposed | VoteCast | DecisionSettled
-"""Entries about the participants of a game with several seats: their presence, their texts, and their votes."""
+TeamEntry = (
+    SeatTaken | SeatLeft | PersonSaid | PersonRead | DecisionProposed | VoteCast | DecisionSettled | ObjectionRaised
+)
+"""Entries about the participants of a game with several seats: their presence, texts, votes and objections."""
 
 JournalOnly = DialogueOpened | DialogueSaid | TeamEntry | KeyUsed
 """Entries of journals that do not change the state of a game."""

@@ -10,6 +10,7 @@ from enum import StrEnum
 from typing import Final
 
 import msgspec
+from msgspec import UNSET, UnsetType
 
 MOST_SEATS = 8
 """Greatest number of seats in a game."""
@@ -57,6 +58,8 @@ class Seat(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         sees_energy: True if it sees the robots' energy and the costs of moves.
         sees_map: True if it sees the map and the robots' positions on it.
         sees_score: True if it sees the score and the points of treasures.
+        objects: True if it may object in the dialogues of other seats; see `may_object`. Otherwise unset, so that
+            recordings of games without this right do not contain it.
     """
 
     name: str
@@ -71,11 +74,17 @@ class Seat(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     sees_energy: bool = True
     sees_map: bool = True
     sees_score: bool = True
+    objects: bool | UnsetType = UNSET
 
     @property
     def can_take_over(self) -> bool:
         """True if it may take over robots. A robot drives only after a dialogue, so the seat must be able to talk."""
         return self.takes_over and self.talks
+
+    @property
+    def may_object(self) -> bool:
+        """True if it may object in dialogues of other seats. It must see these dialogues."""
+        return self.objects is True and self.sees_dialogues is DialogueSight.ALL
 
 
 ONE_SEAT = Seat("", "the participant", stops=StopRight.ALL)

@@ -5,6 +5,7 @@ from thbridge.hunt.events import (
     DecisionKind,
     DecisionProposed,
     DecisionSettled,
+    ObjectionRaised,
     PersonRead,
     PersonSaid,
     SeatLeft,
@@ -47,6 +48,9 @@ def entry_in_words(entry: TeamEntry, rooms: RoomNames) -> str:
             return f"{'agrees' if agrees else 'does not agree'} to decision {number}{because}"
         case DecisionSettled(number, outcome):
             return f"vote on decision {number}: {outcome}"
+        case ObjectionRaised(dialogue=number, reason=reason, text=text):
+            because = f": {text}" if text else ""
+            return f"objects in dialogue {number}: {reason.replace('-', ' ')}{because}"
 
 
 def proposal_in_words(entry: DecisionProposed, rooms: RoomNames) -> str:

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
+from msgspec import UNSET
+
 from sim.common.robot_numbers import index_of, robot_numbers
 from sim.parameters import param
 from thbridge.dialogue.games.strategies import Attitude
@@ -41,6 +43,7 @@ class SeatEntry:
     sees_dialogues: DialogueSight = param(
         DialogueSight.ALL, "dialogues with robots that the seat sees: its own, or those of all seats"
     )
+    objects: bool = param(False, "the seat may object in dialogues of other seats that it sees")
     sees_energy: bool = param(True, "the seat sees the robots' energy, and the costs of moves")
     sees_map: bool = param(True, "the seat sees the map and the robots on it")
     sees_score: bool = param(True, "the seat sees the score, and the points of treasures")
@@ -70,6 +73,7 @@ class SeatEntry:
             sees_energy=self.sees_energy,
             sees_map=self.sees_map,
             sees_score=self.sees_score,
+            objects=self.objects or UNSET,
         )
 
 
@@ -163,8 +167,15 @@ def faults_of_seats(
         if entry.robots and not entry.talks:
             problem = f"{entry.name} commands robots but does not talk with them, so they never agree to a move"
             yield loaded.fault(f"{key}.talks", problem, "Write true")
+        if entry.objects and entry.sees_dialogues is not DialogueSight.ALL:
+            problem = f"{entry.name} sees no dialogue of another seat, so it cannot object"
+            yield loaded.fault(f"{key}.objects", problem, "Write `sees_dialogues: all`, or delete `objects`")
         if not (
-            entry.robots or (entry.takes_over and entry.talks) or entry.names_treasures or entry.stops is StopRight.ALL
+            entry.robots
+            or (entry.takes_over and entry.talks)
+            or entry.names_treasures
+            or entry.stops is StopRight.ALL
+            or entry.objects
         ):
             problem = f"{entry.name} can do nothing: it commands no robot, takes over none, and names no treasure"
             yield loaded.fault(key, problem, "Write `robots`, `takes_over: true` or `names_treasures: true`")

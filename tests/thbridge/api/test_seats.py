@@ -57,6 +57,28 @@ def test_the_caller_plays_all_seats_which_vote_talk_and_hand_over(tmp_path: Path
     assert replayed.exit_code == 0, replayed.output
 
 
+def test_a_seat_that_follows_a_dialogue_objects_and_the_commander_reads_it(tmp_path: Path) -> None:
+    bag = tmp_path / "hunt.bag"
+    seats = [SEATS[0], SEATS[1] | {"objects": True}]
+    study = api.HuntStudy(robots=2, seed=3, dialogue={"condition": "collaborator"}, seats=seats)
+    with api.HuntSession(study, record=bag) as session:
+        driver, namer = session.seat("driver"), session.seat("namer")
+        until(session, lambda: bool(namer.view and namer.view.ready and session.ready))
+        driver.select(1, 3)
+        until(session, lambda: bool(namer.view.dialogues))
+        with pytest.raises(api.HuntError, match="there is no reason 'ugly'"):
+            namer.object_to(1, "ugly")
+        with pytest.raises(api.HuntError, match="no dialogue with robot 2 is open"):
+            namer.object_to(2, "too-far")
+        namer.object_to(1, "too-far", "Look at the wall.")
+        until(session, lambda: bool(driver.view.dialogues[0].objections))
+        assert driver.view.dialogues[0].objections == (api.HuntObjection("namer", "too-far", "Look at the wall."),)
+        (event,) = [event for event in session.events if event.kind == "objected"]
+        assert (event.robot, event.room, event.data["seat"]) == (1, 3, "namer")
+    replayed = thbridge(tmp_path, "replay", "hunt.bag", "--json")
+    assert replayed.exit_code == 0, replayed.output
+
+
 def test_simulated_participants_play_the_other_seats() -> None:
     with api.HuntSession(STUDY, seats=["namer"]) as session:
         assert session.participant.seat == "namer"

@@ -38,3 +38,21 @@ def test_what_no_seat_can_ever_do_is_a_fault(
         read_study_text(Path("study.yaml"), f"robots: 2\nseats: {seats}\n{team}\n")
     assert refused.value.key == key
     assert problem in refused.value.problem and remedy in refused.value.remedy
+
+
+SEATS = "seats:\n  - {name: driver, robots: [1]}\n"
+CRITIC = "  - {name: critic, takes_over: false, names_treasures: false, objects: true"
+
+
+def test_the_right_to_object_without_dialogues_to_read_is_a_fault() -> None:
+    with pytest.raises(BadFile) as caught:
+        read_study_text(Path("study.yaml"), f"robots: 1\n{SEATS}{CRITIC}, sees_dialogues: own}}\n")
+    assert str(caught.value) == (
+        "study.yaml, line 4, seats[1].objects: critic sees no dialogue of another seat, so it cannot object. "
+        "Write `sees_dialogues: all`, or delete `objects`."
+    )
+
+
+def test_a_seat_that_only_objects_can_do_something() -> None:
+    study = read_study_text(Path("study.yaml"), f"robots: 1\n{SEATS}{CRITIC}}}\n")
+    assert [entry.seat().may_object for entry in study.seats] == [False, True]

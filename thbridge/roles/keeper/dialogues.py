@@ -266,6 +266,10 @@ class GameDialogues:
             if any(still_open(state, robot, "select-room", room) for room in state.free_rooms)
         )
 
+    def sentence_count(self, dialogue: Dialogue) -> int:
+        """Return the number of sentences that participants have read in a dialogue."""
+        return len(sentences(self._engine.utterances(dialogue))[0])
+
     def views(self, *, names_energy: bool = True) -> tuple[DialogueView, ...]:
         """Return the open dialogues in the form for a participant, with or without amounts of energy."""
         views, engine = [], self._engine if names_energy else self._without_energy

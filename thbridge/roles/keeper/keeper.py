@@ -65,7 +65,7 @@ from thbridge.roles.shared.participant_lines import decode_request_line
 from thbridge.roles.shared.participant_rules import KeeperReason
 from thbridge.roles.shared.robot_requests import CommandRequest, GameRequest
 from thbridge.roles.shared.seat_programs import is_researchers, researchers_program, seat_of, why_no_seat
-from thbridge.roles.shared.team_notices import MarkRead, ReportPresence, SayToPeople, Vote
+from thbridge.roles.shared.team_notices import MarkRead, RaiseObjection, ReportPresence, SayToPeople, Vote
 from thbridge.roles.shared.view import (
     Debrief,
     DeclineConsent,
@@ -210,7 +210,7 @@ class KeeperDecisions:
 
     @property
     def team(self) -> tuple[TeamEntry, ...]:
-        """The texts and votes of participants, in order."""
+        """The texts, votes and objections of participants, in order."""
         return tuple(entry for entry in self.entries if isinstance(entry, TeamEntry))
 
 
@@ -523,7 +523,7 @@ class Keeper:
                 pass  # Only SimR and Hider may send these.
             case _ if state is None:
                 pass
-            case SayToPeople() | MarkRead() | Vote():
+            case SayToPeople() | MarkRead() | Vote() | RaiseObjection():
                 if self._rules.seats:
                     handle_team_request(self._game, state, value, place.seat)
             case SendRobot() | IdentifyTreasure() | EndGame() if self._rules.seats and propose(
@@ -616,8 +616,7 @@ class Keeper:
                         state,
                         place.seat,
                         self._present,
-                        self._game.team.decisions,
-                        talk.read_until(place.seat.name),
+                        self._game.team,
                         talk_is_open=talk.is_open(self._game.seconds),
                         room_names=self._briefing.names_of_rooms(self._team.map),
                     )

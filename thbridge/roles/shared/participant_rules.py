@@ -72,6 +72,8 @@ class KeeperReason(StrEnum):
     TOO_LONG = "too-long"
     TOO_MANY = "too-many"
     NOT_AGREED_ON = "not-agreed-on"
+    HAS_OBJECTED = "has-objected"
+    DIALOGUE_ENDED = "dialogue-ended"
 
 
 class Discussed(NamedTuple):

@@ -12,7 +12,7 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.rules import RuleReason, commanded_by_other_seat
 from thbridge.hunt.seats import Seat, StopRight, labels_of
-from thbridge.roles.shared.team_notices import MarkRead, SayToPeople, Vote
+from thbridge.roles.shared.team_notices import MarkRead, RaiseObjection, SayToPeople, Vote
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     DialogueMatter,
@@ -51,7 +51,8 @@ def why_not_allowed(
         state: state of the game.
         seat: the seat.
         request: the request.
-        dialogue: for an answer, the robot and the matter of the dialogue; None if there is no such dialogue.
+        dialogue: for an answer or an objection, the robot and the matter of the dialogue; None if there is no such
+            dialogue.
     """
     match request:
         case SelectRoom(robot) | RequestSuggestion(robot):
@@ -68,6 +69,8 @@ def why_not_allowed(
             return may_discuss(state, seat, robot, matter)
         case AnswerDialogue():
             return None if dialogue is None else may_discuss(state, seat, *dialogue)
+        case RaiseObjection():
+            return _may_object(state, seat, dialogue)
         case EndGame():
             return None if seat.ends_game else _refusal(state, "end the game early", lambda each: each.ends_game)
         case GiveConsent() | RequestHandback() | PlayAgain() | SayToPeople() | MarkRead() | Vote():
@@ -82,6 +85,14 @@ def may_discuss(state: GameState, seat: Seat, robot: int, matter: DialogueMatter
     """
     by_right = _may_name(state, seat) if matter == "take-treasure" else commanded_by_other_seat(state, robot, seat.name)
     return by_right or _may_talk(state, seat)
+
+
+def _may_object(state: GameState, seat: Seat, dialogue: TalkedAbout | None) -> RequestRefused | None:
+    if not seat.may_object:
+        return _refusal(state, "object in dialogues of others", lambda each: each.may_object)
+    if dialogue is None or may_discuss(state, seat, *dialogue) is not None:
+        return None
+    return RequestRefused(RuleReason.NOT_ALLOWED, "You can answer in this dialogue yourself.")
 
 
 def _may_talk(state: GameState, seat: Seat) -> RequestRefused | None:

@@ -1,16 +1,24 @@
-"""Messages about the participants of a game with several seats: their texts to each other, and their votes."""
+"""Messages about the participants of a game with several seats: their texts to each other, votes and objections."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import msgspec
 
+from thbridge.hunt.events import ObjectionReason
 from thbridge.text_protocol.wire.notice_format import NoticeValue
 
 LONGEST_TEXT = 500
 """Greatest length of a text, characters."""
 LONGEST_REASON = 200
-"""Greatest length of the reason of a vote, characters."""
+"""Greatest length of the reason of a vote, and of a participant's own words in an objection, characters."""
+REASONS: Mapping[str, tuple[ObjectionReason, ...]] = {
+    "select-room": (ObjectionReason.TOO_FAR, ObjectionReason.OTHER_ROOM, ObjectionReason.OTHER_ROBOT),
+    "take-picture": (ObjectionReason.NOT_NEEDED, ObjectionReason.SAVE_ENERGY),
+    "take-treasure": (ObjectionReason.WRONG_NAME, ObjectionReason.NOT_SURE),
+}
+"""Possible reasons for objections, by the matter of the dialogue."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +93,39 @@ class Vote(NoticeValue, frozen=True, tag="Vote"):
     decision: int
     agrees: bool
     reason: str = ""
+
+
+class RaiseObjection(NoticeValue, frozen=True, tag="Object"):
+    """Participant to keeper: object in a dialogue of another seat, once.
+
+    Attributes:
+        dialogue: number of the dialogue.
+        reason: reason; one of `REASONS` for the matter of the dialogue.
+        text: the participant's own words about it; may be empty.
+    """
+
+    dialogue: int
+    reason: ObjectionReason
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectionView:
+    """Objection in a dialogue that the participant sees.
+
+    Attributes:
+        dialogue: number of the dialogue.
+        seat: seat of the participant who objects.
+        reason: reason of the objection.
+        text: that participant's own words about it; may be empty.
+        after: number of sentences in the dialogue before the objection.
+    """
+
+    dialogue: int
+    seat: str
+    reason: ObjectionReason
+    text: str
+    after: int
 
 
 @dataclass(frozen=True, slots=True)

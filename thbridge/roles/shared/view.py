@@ -10,12 +10,21 @@ from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
 import msgspec
+from msgspec import UNSET, UnsetType
 
 from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.properties import OF_2016, Properties, TreasureProperty
 from thbridge.hunt.seats import Seat
 from thbridge.hunt.treasures import name_in_words
-from thbridge.roles.shared.team_notices import DecisionView, MarkRead, SayToPeople, SettledView, Vote
+from thbridge.roles.shared.team_notices import (
+    DecisionView,
+    MarkRead,
+    ObjectionView,
+    RaiseObjection,
+    SayToPeople,
+    SettledView,
+    Vote,
+)
 from thbridge.text_protocol.wire.notice_format import COUNTED, Notice, NoticeValue, decode_notice, kind_of
 
 
@@ -249,6 +258,8 @@ class TeamView:
         read: number of the last text that a program of this seat has shown; 0 before the first.
         settled: the last votes that have ended, oldest first.
         room_names: names of the rooms, in order, for a seat that does not see the map; otherwise empty.
+        objections: objections in the dialogues of the view, and in those with last words, oldest first; unset if there
+            are none.
     """
 
     own: Seat
@@ -260,6 +271,7 @@ class TeamView:
     read: int = 0
     settled: tuple[SettledView, ...] = ()
     room_names: tuple[str, ...] = ()
+    objections: tuple[ObjectionView, ...] | UnsetType = UNSET
 
 
 class View(NoticeValue, frozen=True, tag="View"):
@@ -380,6 +392,11 @@ class View(NoticeValue, frozen=True, tag="View"):
             and all(len(dialogue.speakers) in (0, len(dialogue.said)) for dialogue in self.dialogues)
             and all(len(words.speakers) == len(words.said) for words in self.last_words)
         )
+
+
+def objections_of(view: View) -> tuple[ObjectionView, ...]:
+    """Return the objections in the dialogues of a view, oldest first."""
+    return (None if view.team is None else view.team.objections) or ()
 
 
 class SelectRoom(NoticeValue, frozen=True, tag="Select"):
@@ -540,6 +557,7 @@ ParticipantRequest = (
     | SayToPeople
     | MarkRead
     | Vote
+    | RaiseObjection
 )
 
 

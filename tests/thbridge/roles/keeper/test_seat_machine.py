@@ -7,6 +7,7 @@ import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from msgspec import UNSET
 
 from tests.support.hunts.seated_hunt import SeatedHunt
 from thbridge.hunt.events import (
@@ -15,6 +16,8 @@ from thbridge.hunt.events import (
     DecisionProposed,
     DecisionSettled,
     GameEnded,
+    ObjectionRaised,
+    ObjectionReason,
     PersonSaid,
     RobotArrived,
     RobotDeparted,
@@ -25,7 +28,7 @@ from thbridge.roles.keeper.team.decisions import AgreementRule, VotingRules
 from thbridge.roles.keeper.team.game_team import TeamRules
 from thbridge.roles.keeper.team.people_talk import TalkRules
 from thbridge.roles.shared.notices import FloorPlan
-from thbridge.roles.shared.team_notices import MarkRead, SayToPeople, TeamTalk, Vote
+from thbridge.roles.shared.team_notices import MarkRead, RaiseObjection, SayToPeople, TeamTalk, Vote
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     EndGame,
@@ -42,6 +45,7 @@ from thbridge.roles.shared.view import (
     TakePicture,
     TakeUpTreasure,
     View,
+    objections_of,
 )
 
 NAMES = ("ann", "bob", "cem", "dan")
@@ -71,6 +75,7 @@ REQUESTS = st.one_of(
     st.builds(Vote, st.integers(0, 9), st.booleans(), st.sampled_from(("", "It is far."))),
     st.builds(SayToPeople, st.text(max_size=8), st.sampled_from((*NAMES, "")), st.floats(-1.0, 1e9)),
     st.builds(MarkRead, st.integers(-1, 9)),
+    st.builds(RaiseObjection, st.integers(1, 6), st.sampled_from(ObjectionReason), st.sampled_from(("", "No."))),
 )
 
 
@@ -97,6 +102,7 @@ def drawn_seats(draw: st.DrawFn) -> tuple[Seat, ...]:
                 sees_energy=draw(st.booleans()),
                 sees_map=draw(st.booleans()),
                 sees_score=draw(st.booleans()),
+                objects=draw(st.sampled_from((True, UNSET))),
             )
         )
     return tuple(seats)
@@ -191,6 +197,13 @@ class Seats(RuleBasedStateMachine):
         assert all(moves[each.robot, each.room, each.seat] for each in sends)
 
     @invariant()
+    def a_seat_with_the_right_objects_once_in_a_dialogue(self):
+        rights = {seat.name: seat.may_object for seat in self.seats}
+        objections = self.hunt.events(ObjectionRaised)
+        assert all(rights[each.seat] for each in objections)
+        assert max(Counter((each.seat, each.dialogue) for each in objections).values(), default=0) <= 1
+
+    @invariant()
     def no_seat_sees_what_it_may_not_see(self):
         to = {each.line: (each.seat, each.to) for each in self.hunt.events(PersonSaid)}
         for seat in self.seats:
@@ -240,6 +253,9 @@ def check_view(view: View, seat: Seat) -> None:
         is_mine = seat.names_treasures if talk.matter == "take-treasure" else talk.robot in own
         assert is_mine or seat.sees_dialogues is DialogueSight.ALL
         assert is_mine or not getattr(talk, "choices", ())
+    assert {each.dialogue for each in objections_of(view)} <= {
+        talk.dialogue for talk in (*view.dialogues, *view.last_words)
+    }
 
 
 TestSeats = Seats.TestCase

@@ -3,7 +3,7 @@
 from collections.abc import Collection
 from dataclasses import replace
 
-from msgspec import structs
+from msgspec import UNSET, structs
 
 from thbridge.hunt.events import Commander, ConsentGiven
 from thbridge.hunt.game import GameState
@@ -12,7 +12,7 @@ from thbridge.hunt.seats import DialogueSight, PlayedBy, Seat
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.keeper.disclosed.consent import ConsentAnswer
 from thbridge.roles.keeper.disclosed.participants import Participants
-from thbridge.roles.keeper.team.decisions import TeamDecisions
+from thbridge.roles.keeper.team.game_team import GameTeam
 from thbridge.roles.shared.notices import KEEPER
 from thbridge.roles.shared.seat_programs import is_researchers
 from thbridge.roles.shared.seat_rights import may_discuss
@@ -68,8 +68,7 @@ def view_of_seat(
     state: GameState,
     seat: Seat,
     joined: Collection[str],
-    decisions: TeamDecisions,
-    read: int = 0,
+    team: GameTeam,
     *,
     talk_is_open: bool = False,
     room_names: tuple[str, ...] = (),
@@ -81,8 +80,7 @@ def view_of_seat(
         state: state of the game.
         seat: the seat.
         joined: names of the seats whose participants are present.
-        decisions: votes of the game.
-        read: number of the last text that a program of the seat has shown.
+        team: the participants, with their texts, votes and objections.
         talk_is_open: True if participants may send texts to each other now.
         room_names: names of the map's rooms. People talk about rooms by these names, also with people who see no map.
     """
@@ -101,6 +99,8 @@ def view_of_seat(
         return next(able, "")
 
     shown = [each for each in view.dialogues if sees_all or is_mine(each.robot, each.matter)]
+    last_words = tuple(each for each in view.last_words if sees_all or is_mine(each.robot, each.matter))
+    objections = team.objections.views({*(each.dialogue for each in shown), *(each.dialogue for each in last_words)})
     view = structs.replace(
         view,
         robots=tuple(_robot_of_seat(robot, state, seat, labels) for robot in view.robots),
@@ -110,7 +110,7 @@ def view_of_seat(
         ),
         consents=tuple(each for each in view.consents if is_mine(each.robot, each.matter)),
         thinking=tuple(robot for robot in view.thinking if sees_all or own[robot]),
-        last_words=tuple(each for each in view.last_words if sees_all or is_mine(each.robot, each.matter)),
+        last_words=last_words,
         team=TeamView(
             own=seat,
             teammates=tuple(Teammate(each, each.name in joined) for each in seats if each != seat),
@@ -124,11 +124,12 @@ def view_of_seat(
                 for each in shown
                 if not is_mine(each.robot, each.matter)
             ),
-            decisions=decisions.views(),
-            settled=decisions.settled,
+            decisions=team.decisions.views(),
+            settled=team.decisions.settled,
             talk_is_open=talk_is_open,
-            read=read,
             room_names=() if seat.sees_map else room_names,
+            read=team.talk.read_until(seat.name),
+            objections=objections or UNSET,
         ),
     )
     if not seat.sees_energy:

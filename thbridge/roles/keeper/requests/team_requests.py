@@ -1,11 +1,11 @@
-"""Requests of participants to each other: texts, and votes on decisions."""
+"""Requests of participants to each other: texts, votes on decisions, and objections in dialogues."""
 
 from collections.abc import Collection
 from typing import TypeAlias
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.hunt import rules
-from thbridge.hunt.events import DecisionOutcome, DecisionSettled
+from thbridge.hunt.events import DecisionOutcome, DecisionSettled, ObjectionRaised
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.seats import Seat
@@ -14,14 +14,15 @@ from thbridge.roles.keeper.requests.legacy_lines import LegacyLines
 from thbridge.roles.keeper.team.decisions import VotedRequest, request_of
 from thbridge.roles.shared.participant_rules import KeeperReason
 from thbridge.roles.shared.seat_rights import why_not_allowed
-from thbridge.roles.shared.team_notices import MarkRead, SayToPeople, Vote
+from thbridge.roles.shared.team_notices import MarkRead, RaiseObjection, SayToPeople, Vote
 from thbridge.roles.shared.view import EndGame
 from thbridge.text_protocol.wire.notice_format import kind_of
 
-TeamRequest: TypeAlias = SayToPeople | MarkRead | Vote
+TeamRequest: TypeAlias = SayToPeople | MarkRead | Vote | RaiseObjection
 """A request of a participant to the other participants."""
 
 _NOT_AGREED = RequestRefused(KeeperReason.NOT_AGREED_ON, "The team has not agreed to this.")
+_HAS_ENDED = RequestRefused(KeeperReason.DIALOGUE_ENDED, "This dialogue has ended.")
 
 
 def handle_team_request(game: OpenGame, state: GameState, request: TeamRequest, seat: Seat) -> None:
@@ -38,6 +39,27 @@ def handle_team_request(game: OpenGame, state: GameState, request: TeamRequest, 
             game.record(game.team.talk.read(seat.name, line, now))
         case Vote(decision, agrees, reason):
             game.record(game.team.decisions.vote(seat.name, decision, reason, now, agrees=agrees))
+        case RaiseObjection():
+            objected = _object(game, state, request, seat, now)
+            if isinstance(objected, RequestRefused):
+                game.refuse(kind_of(RaiseObjection), objected)
+            else:
+                game.record(objected)
+
+
+def _object(
+    game: OpenGame, state: GameState, request: RaiseObjection, seat: Seat, now: float
+) -> tuple[ObjectionRaised, ...] | RequestRefused:
+    """Return the event of an objection, or a refusal."""
+    talks = game.dialogues
+    refused = why_not_allowed(state, seat, request, talks.under_way.matter_of(request.dialogue))
+    if refused is not None:
+        return refused
+    dialogue = talks.under_way.numbered(request.dialogue)
+    if dialogue is None:
+        return _HAS_ENDED
+    after, is_open = talks.sentence_count(dialogue), game.team.talk.is_open(now)
+    return game.team.objections.object_to(dialogue, seat, request, after, now, talk_is_open=is_open)
 
 
 def propose(

@@ -1,4 +1,4 @@
-"""Texts and votes of the participants of one game."""
+"""Texts, votes and objections of the participants of one game."""
 
 import math
 from collections.abc import Mapping
@@ -8,6 +8,7 @@ from thbridge.hunt.events import (
     DecisionKind,
     DecisionProposed,
     DecisionSettled,
+    ObjectionRaised,
     PersonRead,
     PersonSaid,
     SeatLeft,
@@ -17,6 +18,7 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.seats import PlayedBy
 from thbridge.roles.keeper.team.decisions import AgreementRule, TeamDecisions, VotingRules
+from thbridge.roles.keeper.team.objections import TeamObjections
 from thbridge.roles.keeper.team.people_talk import PeopleTalk, TalkRules
 
 _NO_VOTES = VotingRules(dict.fromkeys(DecisionKind, AgreementRule.ONE), math.inf)
@@ -41,12 +43,14 @@ class GameTeam:
         present: seats that are played, and by whom, as the journal has them.
         talk: their texts.
         decisions: their votes.
+        objections: their objections.
     """
 
     def __init__(self, rules: TeamRules) -> None:
         self.present: dict[str, PlayedBy] = {}
         self.talk = PeopleTalk(rules.talk)
         self.decisions = TeamDecisions(rules.voting)
+        self.objections = TeamObjections()
 
     def changes(self, present: Mapping[str, PlayedBy], now: float) -> tuple[SeatTaken | SeatLeft, ...]:
         """Return the events of participants who have joined or left.
@@ -74,3 +78,5 @@ class GameTeam:
                 self.talk.note(entry)
             case DecisionProposed() | VoteCast() | DecisionSettled():
                 self.decisions.note(entry)
+            case ObjectionRaised():
+                self.objections.note(entry)
