@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from enum import IntEnum, StrEnum
 from typing import Literal, TypeAlias
 
+from thbridge.hunt.events import ObjectionReason
 from thbridge.hunt.properties import PropertyDrawing
 from ui.model.shared.scene import RoomState
 
@@ -281,6 +282,14 @@ class VoteAct(Act):
     decision: int
     agrees: bool
     reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RaiseObjectionAct(Act):
+    """Object in the dialogue of a teammate that is shown, with a reason and own words, which may be empty."""
+
+    reason: ObjectionReason
+    text: str = ""
 
 
 @dataclass(frozen=True, slots=True)
