@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import signal
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 
@@ -38,12 +39,19 @@ class ServedProgram:
         study: folder of the study, or a study file.
         options: further options.
         recorded: folder of recordings, for a study file.
+        environment: environment variables of the program.
     """
 
-    def __init__(self, study: Path, *options: str, recorded: Path | None = None) -> None:
+    def __init__(
+        self,
+        study: Path,
+        *options: str,
+        recorded: Path | None = None,
+        environment: Mapping[str, str] = os.environ,
+    ) -> None:
         self.study = study
         self.running = RunningGames.of(recorded or study)
-        self.program = Program(study.parent, "serve", str(study), "--port", "0", *options)
+        self.program = Program(study.parent, "serve", str(study), "--port", "0", *options, environment=environment)
 
     @property
     def port(self) -> int:

@@ -51,7 +51,7 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
         design = read_for_people(place)
         if design.has_groups:
             problem = "the kiosk is for one person at a time, but games of this study have several people"
-            remedy = f"Add people in browsers: {command('serve', '--kiosk', folder)}"
+            remedy = f"Add people in browsers: {command('serve', folder, '--kiosk')}"
             raise BadFile(design.path, problem, remedy, key="base.seats")
         for study in chain.from_iterable(cell.studies for cell in design.cells):
             check_doors(study)

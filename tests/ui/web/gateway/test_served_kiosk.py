@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.programs.browser_client import BrowserClient
+from tests.support.programs.commands import refusal
 from tests.support.programs.processes import run_thbridge
 from tests.support.studies.joining_window import JoiningWindow
 from tests.support.studies.kiosk_without_screen import TEXTS, Person, headings
@@ -27,6 +28,24 @@ steps:
   - {step: consent, text: consent.txt}
   - {step: trial, name: game, max_seconds: 300}
 """
+TEAM = """\
+title: Three at a window and in browsers
+seed: 3
+base:
+  map: practice
+  templates: practice
+  robots: 2
+  rate: 10
+  seats:
+    - {name: north, label: the north, robots: [1], names_treasures: false}
+    - {name: south, label: the south, robots: [2], sees_map: false}
+    - {name: judge, label: the judge}
+  team: {agreement: {end: one}}
+quota: 6
+consent_elsewhere: People agreed before.
+steps:
+  - {step: trial, name: game, max_seconds: 300}
+"""
 
 
 @pytest.fixture
@@ -34,6 +53,32 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "consent.txt").write_text("This is the text of the consent.\n")
     (tmp_path / "experiment.yaml").write_text(STUDY)
     return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("study.yaml", "--kiosk"), "--kiosk needs a study with people. Name its folder, or use `thbridge play`"),
+        ((".", "--kiosk", "--games", "0", "--scheduler", "tls://10.0.0.1:8786"), "Write at least 1."),
+        ((".", "--windowed"), "--windowed belongs to --kiosk. Give both, or neither."),
+        ((".", "--kiosk"), "No display is available"),
+    ],
+)
+def test_a_kiosk_that_cannot_open_is_refused_before_anything_starts(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], said: str
+) -> None:
+    monkeypatch.chdir(folder)
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"):
+        monkeypatch.delenv(name, raising=False)
+    assert said in " ".join(refusal("serve", *options).split())
+
+
+def test_the_kiosk_alone_refuses_games_of_several_people_and_names_the_command_for_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("experiment.yaml").write_text(TEAM)
+    assert "thbridge serve . --kiosk" in " ".join(refusal("study", "run", ".").split())
 
 
 async def in_browser(port: int, playing: asyncio.Event) -> None:
@@ -77,26 +122,6 @@ def test_people_at_the_window_and_in_browsers_take_part_at_the_same_time(folder:
     played = data_of(folder, EventKind.GAME_PLAYED)
     assert len(played) == 2 and all((folder / str(each["bag"])).is_file() for each in played)
     assert TEXTS.text("kiosk.thank_you") in headings(person)
-
-
-TEAM = """\
-title: Three at a window and in browsers
-seed: 3
-base:
-  map: practice
-  templates: practice
-  robots: 2
-  rate: 10
-  seats:
-    - {name: north, label: the north, robots: [1], names_treasures: false}
-    - {name: south, label: the south, robots: [2], sees_map: false}
-    - {name: judge, label: the judge}
-  team: {agreement: {end: one}}
-quota: 6
-consent_elsewhere: People agreed before.
-steps:
-  - {step: trial, name: game, max_seconds: 300}
-"""
 
 
 async def beginning(port: int) -> BrowserClient:
