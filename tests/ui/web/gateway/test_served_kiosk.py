@@ -1,6 +1,8 @@
 """A served study with a window on the server's machine: people at the window and in browsers take part in one study."""
 
 import asyncio
+import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -18,6 +20,7 @@ from thbridge.experiment.store.events import EventKind, RunState
 from thbridge.recording.journal import journal_path, read_journal
 from thbridge.recording.recordings import journal_of
 from ui.model.kiosk import TurnToAwait
+from ui.web.pool.running_games import RunningGames
 
 STUDY = """\
 title: At a window and in browsers
@@ -133,19 +136,29 @@ async def beginning(port: int) -> BrowserClient:
 
 
 @pytest.mark.slow
-def test_a_person_at_the_window_plays_in_one_game_with_people_in_browsers(tmp_path: Path) -> None:
+def test_a_person_at_the_window_and_people_in_browsers_play_one_game_that_survives_a_kill(
+    tmp_path: Path,
+) -> None:
     (tmp_path / "experiment.yaml").write_text(TEAM)
     person = Person()
 
     async def run() -> tuple[Conductor, JoiningWindow]:
-        may_end = asyncio.Event()
+        may_end, running = asyncio.Event(), RunningGames.of(tmp_path)
         window = JoiningWindow(person, 1, may_end)
-        async with served(tmp_path, window=window) as (port, conductor):
+        async with served(tmp_path, running, window) as (port, conductor):
             async with asyncio.timeout(60):
                 while not any(isinstance(page, TurnToAwait) for page in person.seen):
                     await asyncio.sleep(0.05)
             browsers = [await beginning(port), await beginning(port)]
             await asyncio.gather(*map(playing, browsers))
+            before = [browser.whole_pages for browser in browsers]
+            (key,) = running
+            worker = running.address(key)
+            assert worker is not None
+            os.kill(worker.process, signal.SIGKILL)
+            for browser, pages in zip(browsers, before, strict=True):
+                await browser.until(lambda browser=browser, pages=pages: browser.whole_pages > pages)
+                await playing(browser)
             may_end.set()  # The person at the window ends the game for all.
             await asyncio.gather(*map(go_on, browsers), at_window(conductor))
             for browser in browsers:
@@ -158,7 +171,8 @@ def test_a_person_at_the_window_plays_in_one_game_with_people_in_browsers(tmp_pa
     assert {run.state for run in runs} == {RunState.COMPLETE}
     (group,) = conductor.progress.groups.values()
     assert group.people == dict(zip(("north", "south", "judge"), (run.participant for run in runs), strict=True))
-    assert [game.seat for game in window.joined] == ["north"]
+    assert {game.seat for game in window.joined} == {"north"}
+    assert len(window.joined) == 2, "the window joins the process that continues the game"
     (bag,) = (tmp_path / "recordings").rglob("*.bag")
     assert {str(each["bag"]) for each in data_of(tmp_path, EventKind.GAME_PLAYED)} == {str(bag.relative_to(tmp_path))}
     assert read_journal(journal_path(journal_of(bag), 1)).state.ended is not None

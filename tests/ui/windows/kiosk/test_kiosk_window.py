@@ -622,6 +622,8 @@ def pages(texts: Texts = TEXTS) -> dict[str, Callable[[Opened], object]]:
         "form": lambda it: it.form(back=True),
         "missing": lambda it: it.form(back=True).go_on.click(),
         "waiting": lambda it: it.window.receive(GamePrepared(1, comes, WAY)),
+        "turn": lambda it: it.window.receive(TurnToAwait(1, *headed(texts, "waiting_for_others", "web"), 65, 2, WAY)),
+        "message": lambda it: (pages(texts)["welcome"](it), it.window.receive(ResearcherMessage("1, 2, 3."))),
         "result": lambda it: it.window.receive(GameRecorded(1, ended, score, WAY)),
         "code": lambda it: it.window.receive(TextToRead(1, thanks, completed, finish, code="AB23CD45")),
         "leaving": lambda it: (it.form("often"), it.window.close()),
