@@ -27,11 +27,13 @@ class Credentials:
         key: name of the connection's key; empty if there is no key.
         rights: rights of the connection.
         extended: False if the connection may only use the protocol of 2016.
+        seats: names of the seats that a participant's program may take; empty for all.
     """
 
     key: str = ""
     rights: tuple[Right, ...] = (Right.ADMIN,)
     extended: bool = True
+    seats: tuple[str, ...] = ()
 
     def may(self, right: Right) -> bool:
         """Return True if the connection has a right.

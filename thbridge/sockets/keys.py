@@ -69,7 +69,7 @@ class RingKeys:
             found = self._ring.holder(secret)
         except BadFile as error:
             return self._unreadable(error)
-        return Credentials(found.name, found.rights) if isinstance(found, KeyEntry) else found
+        return Credentials(found.name, found.rights, seats=found.seats) if isinstance(found, KeyEntry) else found
 
     def why_not(self, credentials: Credentials) -> str | None:
         """Return the reason why a client is no longer admitted, or None if it is still admitted."""

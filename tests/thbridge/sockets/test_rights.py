@@ -289,6 +289,21 @@ def test_a_participants_key_is_good_for_one_game(house: House) -> None:
     ]
 
 
+def test_a_key_of_some_seats_admits_to_no_other_seat(house: House) -> None:
+    async def play() -> None:
+        async with house.open():
+            assert isinstance(await house.joins("TabUI-driver", ann), NameRegistered)
+            assert isinstance(await house.joins("TabUI-scout", ann), NameRegistered)
+            for other in ("TabUI-namer", "TabUI", "driver"):
+                assert await house.joins(other, ann) == refused
+            assert isinstance(await house.joins("TabUI-namer", house.keys[Right.PARTICIPANT]), NameRegistered)
+
+    refused = ConnectionLost(LossReason.REFUSED, "the key ann is not for this seat; use --seat with: driver, scout")
+    seats = ["driver", "scout"]
+    ann = read_key(house.ring.add("ann", [Right.PARTICIPANT], "secret of ann", None, seats))
+    asyncio.run(play())
+
+
 def test_a_key_for_robots_too_is_not_a_participants_where_it_is_simr(house: House) -> None:
     async def play() -> None:
         async with house.open(), house.program("SimR", read_key(both)) as simr:

@@ -41,3 +41,16 @@ def test_a_door_wants_keys_that_are_there_and_cannot_be_guessed() -> None:
     short = invoke("play", "--headless", "--watch", "0", "--watch-key", "a.key")
     assert short.exit_code == 2
     assert "this key is easy to guess, because it has only 1 characters" in short.stderr
+
+
+def test_a_key_of_a_participant_may_be_for_certain_seats(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    invoke("keys", "new", "ann", "--right", "participant", "--seat", "driver", "--seat", "scout")
+    assert "driver, scout" in invoke("keys", "list").stdout
+    for words, problem in (
+        (("--seat", "driver"), "only a key of a participant"),
+        (("--right", "participant", "--seat", "The driver"), "is no name of a seat"),
+    ):
+        refused = invoke("keys", "new", "bob", *words)
+        assert refused.exit_code == 2 and problem in refused.stderr
+    assert "bob" not in invoke("keys", "list").stdout

@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.inputs import SendGoal
 from thbridge.app.session import inputs
-from thbridge.credentials import LOCAL
+from thbridge.credentials import LOCAL, Credentials
 from thbridge.json_text import json_of
 from thbridge.mavlink.wire.dialect import name_of
 from thbridge.roles.shared.robot_requests import PACE_REQUESTS, REQUESTS, PaceRequest, Request
@@ -135,6 +135,10 @@ def _fields(value: object) -> object:
             fields["number"] = recorded_number(GoalOwner.ROS_CLIENT, number)
         case inputs.ConnectionOpened(credentials=credentials) if credentials == LOCAL:
             del fields["credentials"]  # This is the default, because nearly all connections are from this machine.
+        case inputs.ConnectionOpened(credentials=Credentials(seats=()) as credentials):
+            plain: dict[str, object] = msgspec.to_builtins(credentials)
+            del plain["seats"]  # Earlier releases do not have this field.
+            fields["credentials"] = plain
     return fields
 
 

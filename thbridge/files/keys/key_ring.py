@@ -44,6 +44,7 @@ class KeyEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
         expires: date and time from which the key is invalid. If None, the key does not expire.
         revoked: date and time at which the key was revoked. If None, the key was not revoked.
         game: the only game for which a participant's key is valid. If None, the first game that uses the key.
+        seats: names of the seats that a participant's program with this key may take; empty for all.
     """
 
     name: str
@@ -53,6 +54,7 @@ class KeyEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     expires: str | None = None
     revoked: str | None = None
     game: str | None = None
+    seats: tuple[str, ...] = ()
 
     def why_not(self, now: str) -> str | None:
         """Return the reason why the key is invalid at a date and time, as a clause, or None if it is valid."""
@@ -101,8 +103,10 @@ class KeyRing:
         entry = next((entry for entry in self.entries if entry.name == name), None)
         return f"there is no key {name}" if entry is None else entry.why_not(self._clock())
 
-    def add(self, name: str, rights: Sequence[Right], secret: str, expires: str | None) -> Path:
-        """Add a key, write it into a file for its holder, and return that file.
+    def add(
+        self, name: str, rights: Sequence[Right], secret: str, expires: str | None, seats: Sequence[str] = ()
+    ) -> Path:
+        """Add a key, write it into a file for its holder, and return that file; the arguments are as in `KeyEntry`.
 
         The file also has the fingerprint of the folder's certificate, which is created if it does not exist.
 
@@ -125,7 +129,8 @@ class KeyRing:
                 problem = f"this file exists, but no key {name}: it is unfinished, or belongs to another program"
                 raise BadFile(path, problem, "move the file to another folder, then try again") from None
             try:
-                self._write((*self._entries, KeyEntry(name, tuple(rights), _digest(secret), self._clock(), expires)))
+                entry = KeyEntry(name, tuple(rights), _digest(secret), self._clock(), expires, seats=tuple(seats))
+                self._write((*self._entries, entry))
             except BadFile:
                 path.unlink()
                 raise

@@ -624,6 +624,9 @@ def _not_entitled(credentials: Credentials, name: str, extended: bool) -> str | 
     if extended and not credentials.extended:
         return _NEEDS_KEY
     if credentials.may(right_of(name)):
+        others = credentials.seats and right_of(name) is Right.PARTICIPANT
+        if others and name not in {f"{legacy.TABUI}-{seat}" for seat in credentials.seats}:
+            return f"the key {credentials.key} is not for this seat; use --seat with: {', '.join(credentials.seats)}"
         return None
     return f"the key {credentials.key} does not allow the name {name}; its rights: {', '.join(credentials.rights)}"
 

@@ -1,6 +1,6 @@
 import json
 import math
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from typing import get_args
 
 import numpy as np
@@ -44,7 +44,8 @@ WORDS = st.text(min_size=1, max_size=20).filter(lambda text: tokens(text) == [te
 MESSAGES = st.builds(TextMessage, WORDS, WORDS, WORDS, st.lists(WORDS, max_size=4).map(tuple))
 NUMBERS = st.integers(1, 2**40)
 st.register_type_strategy(Pose2, st.builds(Pose2, FLOATS, FLOATS, FLOATS))
-CREDENTIALS = [LOCAL, PLAIN, Credentials("maria", (Right.PARTICIPANT, Right.WATCH))]
+MARIA = Credentials("maria", (Right.PARTICIPANT, Right.WATCH))
+CREDENTIALS = [LOCAL, PLAIN, MARIA, replace(MARIA, seats=("driver",))]
 THINGS = st.builds(
     Thing,
     st.text(),
