@@ -46,6 +46,8 @@ class DeskRun(msgspec.Struct, frozen=True):
         missing: ids of required items of the current form that have no answer.
         lag: largest lag of the person's games behind real time in seconds; None if unknown.
         front_end: program in which the person takes part, as in `Run`; empty if it is unknown.
+        group: id of the person's latest group in a game of several people; empty if there is none.
+        seat: words for the person's seat in this game.
     """
 
     participant: str
@@ -63,6 +65,38 @@ class DeskRun(msgspec.Struct, frozen=True):
     missing: tuple[str, ...] = ()
     lag: float | None = None
     front_end: str = ""
+    group: str = ""
+    seat: str = ""
+
+
+class DeskSeat(msgspec.Struct, frozen=True):
+    """Seat in a game of several people.
+
+    Attributes:
+        label: words for the seat.
+        holder: its present holder: person, program or empty.
+        participant: id of the person whose seat it is; empty if it has none, or if the person withdrew.
+    """
+
+    label: str
+    holder: str
+    participant: str
+
+
+class DeskGroup(msgspec.Struct, frozen=True):
+    """Game of several people.
+
+    Attributes:
+        group: id of the group.
+        step_name: name of the game's step.
+        seats: seats of the game.
+        played: True after the game has ended.
+    """
+
+    group: str
+    step_name: str
+    seats: tuple[DeskSeat, ...]
+    played: bool
 
 
 class DeskEvent(msgspec.Struct, frozen=True):
@@ -133,6 +167,7 @@ class DeskState(msgspec.Struct, frozen=True, tag=True):
         rehearsal: True if the people are simulated.
         read_only: reason why the desk cannot send requests; empty if requests are possible.
         pace: sentence on the lag of games behind real time; empty if no game runs in real time.
+        groups: games of several people, in the order in which they began. If None, the study has no such games.
     """
 
     title: str
@@ -151,6 +186,7 @@ class DeskState(msgspec.Struct, frozen=True, tag=True):
     rehearsal: bool = False
     read_only: str = ""
     pace: str = ""
+    groups: tuple[DeskGroup, ...] | None = None
 
 
 class NextParticipant(msgspec.Struct, frozen=True, tag=True):

@@ -3,10 +3,13 @@
 from collections.abc import Iterator
 from datetime import datetime
 
-from ui.model.desk.messages import DeskEvent, DeskNote, DeskRun, DeskState
+from ui.model.desk.messages import DeskEvent, DeskNote, DeskRun, DeskSeat, DeskState
 
 CELLS = ("Cell", "Counted", "Planned", "In progress")
-RUNS = ("Participant", "State", "Step or reason", "Since", "Minutes", "Unanswered", "Cell", "Order")
+RUNS = ("Participant", "State", "Step or reason", "Group", "Since", "Minutes", "Unanswered", "Cell", "Order")
+GROUP_COLUMN = RUNS.index("Group")
+"""Column of runs that only studies with games of several people have."""
+GROUPS = ("Group", "Game", "Seats")
 EVENTS = ("Time", "Event", "Caused by")
 NOTES = ("Time", "Subject", "Note")
 
@@ -38,12 +41,32 @@ def run_rows(state: DeskState) -> Iterator[tuple[str, ...]]:
             run.participant,
             _STATES.get(run.state, run.state),
             f"{_numbered(run)}, {_step(run)}" if run.state == "under way" else run.reason,
+            ", ".join(filter(None, (run.group, run.seat))),
             local_time(run.since, "%H:%M"),
             f"{run.minutes:.0f}",
             str(len(run.missing)) if run.missing else "",
             run.cell,
             ", then ".join(run.order),
         )
+
+
+def group_rows(state: DeskState) -> Iterator[tuple[str, ...]]:
+    """Yield the rows of games of several people: games in progress first, then all others, the latest first."""
+    latest_first = (state.groups or ())[::-1]
+    for game in sorted(latest_first, key=lambda each: each.played):
+        name = f"{game.step_name} (ended)" if game.played else game.step_name
+        yield game.group, name, "; ".join(f"{seat.label}: {_holder(seat)}" for seat in game.seats)
+
+
+def _holder(seat: DeskSeat) -> str:
+    who = seat.participant
+    match seat.holder:
+        case "person":
+            return who or "a person who withdrew"
+        case "program":
+            return f"a program, {who} is away" if who else "a program"
+        case _:
+            return f"empty, {who} is away" if who else "empty"
 
 
 def event_rows(events: tuple[DeskEvent, ...]) -> Iterator[tuple[str, ...]]:
@@ -80,7 +103,8 @@ def run_words(run: DeskRun) -> str:
     """Return a description of a run, in sentences."""
     group = f"Cell: {run.cell}." if run.cell != "everybody" else ""
     order = f"Order of conditions: {', then '.join(run.order)}." if run.order else ""
-    where = " ".join(filter(None, (group, order)))
+    team = f"Group {run.group}: {run.seat}." if run.group else ""
+    where = " ".join(filter(None, (group, order, team)))
     if run.lag is not None:
         where += f" Games were at most {run.lag:.1f} s behind real time."
     if run.state != "under way":

@@ -9,9 +9,12 @@ from msgspec.structs import replace
 
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.design.plan import study_of_game
+from thbridge.experiment.groups import GroupGame
 from thbridge.experiment.progress import Progress, Run, lag_words
 from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent, NewEvent, RunState
-from ui.model.desk.messages import DeskCell, DeskEvent, DeskMessage, DeskNote, DeskRun, DeskState
+from thbridge.study.seats import seats_of
+from ui.model.desk.messages import DeskCell, DeskEvent, DeskGroup, DeskMessage, DeskNote, DeskRun, DeskSeat, DeskState
 
 NO_PLACE = {
     NoPlace.FULL: "The study already has enough runs that count.",
@@ -84,7 +87,29 @@ def desk_state(
         rehearsal=any(entry.event.kind == EventKind.REHEARSED for entry in own[""]),
         read_only=told.read_only,
         pace=" ".join(lag_words(progress)),
+        groups=tuple(_group(progress, game) for game in progress.groups.values()) if design.has_groups else None,
     )
+
+
+def _group(progress: Progress, game: GroupGame) -> DeskGroup:
+    # All people of a group play the same game.
+    run = next((progress.runs[person] for person in game.people.values() if person in progress.runs), None)
+    labels = {} if run is None else _labels(progress.design, run, game.step)
+    return DeskGroup(
+        group=game.group,
+        step_name="" if run is None else run.plan[game.step - 1].name,
+        seats=tuple(
+            DeskSeat(labels.get(seat, seat), str(holder), game.people.get(seat, ""))
+            for seat, holder in game.seats.items()
+        ),
+        played=game.played is not None,
+    )
+
+
+def _labels(design: ExperimentDesign, run: Run, step: int) -> dict[str, str]:
+    """Return the words for the seats of a person's game, by the names of the seats."""
+    study = study_of_game(design, run.place, run.plan[step - 1])
+    return {} if study is None else {seat.name: seat.label for seat in seats_of(study.seats)}
 
 
 def _messages(entries: Iterable[LogEntry]) -> list[DeskMessage]:
@@ -126,6 +151,8 @@ def _run(progress: Progress, run: Run, events: Sequence[LoggedEvent], now: str) 
         asked = design.forms[step.index].items
         missing = tuple(item.id for item in asked if item.required and run.given.get(item.id) is None)
     begun = events[0].event.clocks.wall
+    game = max(run.seats, default=0)
+    taken = run.seats.get(game)
     until = _last(events, _BY_ITSELF) if over else now
     return DeskRun(
         participant=run.participant,
@@ -147,6 +174,8 @@ def _run(progress: Progress, run: Run, events: Sequence[LoggedEvent], now: str) 
         missing=missing,
         lag=run.lag,
         front_end=run.front_end,
+        group="" if taken is None else taken.group,
+        seat="" if taken is None else _labels(design, run, game).get(taken.seat, taken.seat),
     )
 
 
@@ -218,6 +247,8 @@ def _words(progress: Progress, event: NewEvent) -> str:
             return f"{step}: the participant returns to the study's window"
         case EventKind.FAREWELL_READ:
             return "the participant leaves the last page"
+        case EventKind.GROUP_FORMED:
+            return f"{step}: the participant takes the seat {data.get('seat', '')} in the group {data.get('group', '')}"
         case EventKind.GAME_PLAYED:
             lag = data.get("most_lag_seconds")
             behind = f"; at most {lag:.1f} s behind real time" if isinstance(lag, int | float) else ""

@@ -189,6 +189,9 @@ class DeskPageMaker:
             missing=str(max(state.planned - state.counted, 0)),
         )
         games = self._text("games", playing=str(now.playing), free=str(now.free))
+        if state.groups is not None:
+            waiting = sum(each.waited is not None for each in now.people.values())
+            games = f"{games} {self._text('waiting', people=str(waiting))}"
         admission = self._text("open" if now.admits else "closed")
         view_only = () if now.may_act else (self._text("view_only"),)
         return DeskPage(
@@ -199,7 +202,7 @@ class DeskPageMaker:
             has_problems=bool(state.troubles),
             problems_heading=self._text("problems"),
             actions=self._common_actions(now) if now.may_act else (),
-            tables=(self._people(state, now), *self._teams(now), self._cells(state), self._messages(state)),
+            tables=(self._people(state, now), *self._teams(state, now), self._cells(state), self._messages(state)),
             told=now.told,
             cancel=self._text("cancel"),
             lost=self._text("lost"),
@@ -239,17 +242,23 @@ class DeskPageMaker:
         rows = (self._person(run, now.people.get(run.participant), may_act=now.may_act) for run in ordered_runs(state))
         return self._table("people", PEOPLE, rows, "no_people")
 
-    def _teams(self, now: DeskNow) -> Iterator[DeskTable]:
+    def _teams(self, state: DeskState, now: DeskNow) -> Iterator[DeskTable]:
         """Yield the table of games with several people and of the lobby, if there are any."""
-        rows = [
-            DeskRow(who, (each.game, each.seat, who, self._text(each.connection)), mark=each.connection)
-            for who, each in sorted(now.people.items(), key=lambda item: (item[1].game, item[1].seat))
+        seated = {
+            (each.game, each.seat, who): (self._text(each.connection), each.connection)
+            for who, each in now.people.items()
             if each.game
-        ]
+        }
+        # The log has the seats that programs play, and those that are empty.
+        for game in state.groups or ():
+            for seat in game.seats:
+                if not game.played and seat.holder != "person":
+                    seated[game.group, seat.label, seat.participant] = self._text(f"seat_{seat.holder}"), "away"
+        rows = [DeskRow(" ".join(key), (*key, words), mark=mark) for key, (words, mark) in sorted(seated.items())]
         waiting = ((each.waited, who, each.connection) for who, each in now.people.items() if each.waited is not None)
         for waited, who, connection in sorted(waiting, reverse=True):
-            clock = f"{waited // 60}:{waited % 60:02}"
-            rows.append(DeskRow(who, (self._text("lobby"), "", who, self._text("waits", time=clock)), mark=connection))
+            cells = (self._text("lobby"), "", who, self._text("waits", time=_clock(waited)))
+            rows.append(DeskRow(who, cells, mark=connection))
         if rows:
             yield self._table("teams", ("game", "seat", "participant", "state"), rows)
 
@@ -277,7 +286,7 @@ class DeskPageMaker:
         cells = (
             who,
             self._text(f"state_{run.state.replace(' ', '_')}"),
-            self._step(run) if is_here else run.reason,
+            self._step(run, person) if is_here else run.reason,
             local_time(run.since, "%H:%M"),
             self._text(f"front_{run.front_end}") if run.front_end else "",
             connection,
@@ -293,9 +302,12 @@ class DeskPageMaker:
             note = self._text("watch_note_elsewhere", host=there) if there else self._text("watch_note")
         return DeskRow(who, cells, tuple(actions), mark, note, command)
 
-    def _step(self, run: DeskRun) -> str:
+    def _step(self, run: DeskRun, person: PersonNow | None) -> str:
         name = run.step_name or self._text("last_page")
-        return self._text("step_of", step=str(run.step), steps=str(run.steps), name=name)
+        step = self._text("step_of", step=str(run.step), steps=str(run.steps), name=name)
+        if person is not None and person.waited is not None:
+            return f"{step} · {self._text('waits_for_others', time=_clock(person.waited))}"
+        return f"{step} · {person.game}, {person.seat}" if person is not None and person.game else step
 
     def _cells(self, state: DeskState) -> DeskTable:
         rows = (
@@ -339,3 +351,7 @@ class DeskPageMaker:
 
     def _text(self, key: str, **values: str) -> str:
         return self._texts.text(f"desk.{key}", count=None, **values)
+
+
+def _clock(seconds: int) -> str:
+    return f"{seconds // 60}:{seconds % 60:02}"

@@ -46,12 +46,15 @@ from ui.model.desk.messages import (
 from ui.model.desk.rows import (
     CELLS,
     EVENTS,
+    GROUP_COLUMN,
+    GROUPS,
     NOTES,
     RUNS,
     cell_rows,
     count_words,
     event_rows,
     freeze_words,
+    group_rows,
     note_rows,
     ordered_runs,
     run_rows,
@@ -63,7 +66,7 @@ from ui.windows.desk.questions import ReasonBox
 from ui.windows.flow import FlowLayout
 from ui.windows.key_sheet import KeyLines, KeySheet
 from ui.windows.look import GAP, follow_text, label, open_within_screen, px, spaced, style_as_panel
-from ui.windows.tables import GrowingModel, row_table
+from ui.windows.tables import GrowingModel, TextModel, row_table
 from ui.windows.untrusted_text import shown, title_text
 
 KEYS: tuple[tuple[str, KeyLines], ...] = (
@@ -135,14 +138,19 @@ class DeskWindow(QMainWindow):
         self.troubles.hide()
         single = QTableView.SelectionMode.SingleSelection
         self.cell_model, self.run_model = GrowingModel(CELLS, self), GrowingModel(RUNS, self)
+        self.group_model = TextModel(GROUPS, self)
         self.event_model = GrowingModel(EVENTS, self, has_time=True)
         self.note_model = GrowingModel(NOTES, self, has_time=True)
         self.cells = row_table("Cells and quotas", self.cell_model, single, 1, (26, 9, 9, 12))
-        self.runs = row_table("Runs", self.run_model, single, 1, (11, 12, 30, 7, 9, 12, 26, 40))
+        self.runs = row_table("Runs", self.run_model, single, 1, (11, 12, 30, 24, 7, 9, 12, 26, 40))
+        self.groups = row_table("Games of several people", self.group_model, single, 1, (12, 18, 60))
         self.events = row_table("Events of the selected run", self.event_model, single, 1, (9, 44, 11))
         self.notes = row_table("Notes", self.note_model, single, 1, (13, 11, 50))
-        for table in (self.cells, self.runs, self.events, self.notes):
+        for table in (self.cells, self.runs, self.groups, self.events, self.notes):
             table.horizontalHeader().setStretchLastSection(True)
+        # Only studies with games of several people have these.
+        self.groups.hide()
+        self.runs.setColumnHidden(GROUP_COLUMN, True)
         self.runs.selectionModel().currentRowChanged.connect(self._row_chosen)
         self.details = label("No run is selected.")
         self.note = QLineEdit(placeholderText="Note for the log; press Enter to add it")
@@ -187,6 +195,10 @@ class DeskWindow(QMainWindow):
         self._show_troubles(state.troubles, () if before is None else before.troubles)
         self.cell_model.show_rows(list(cell_rows(state)))
         self._show_runs(state)
+        has_groups = state.groups is not None
+        self.runs.setColumnHidden(GROUP_COLUMN, not has_groups)
+        self.groups.setVisible(has_groups)
+        self.group_model.show_rows(list(group_rows(state)))
         self._fit_cells()
         if self.note_model.show_rows(list(note_rows(state.notes))):
             self.notes.scrollToBottom()
@@ -415,6 +427,7 @@ class DeskWindow(QMainWindow):
         column = spaced(QVBoxLayout(left), GAP, 0)
         column.addWidget(self.cells)
         column.addWidget(self.runs, 1)
+        column.addWidget(self.groups)
         column = spaced(QVBoxLayout(right), GAP, 0)
         column.addWidget(self.details)
         column.addWidget(self.events, 2)
@@ -444,24 +457,25 @@ class DeskWindow(QMainWindow):
         area.setAccessibleName("The study")
         area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setCentralWidget(area)
-        self._parts = (self.next, self.cells, self.runs, self.events, self.notes, self.note)
+        self._parts = (self.next, self.cells, self.runs, self.groups, self.events, self.notes, self.note)
         order = (self.next, self.end, self.exclude, *self._commands, self._keys)
-        tables = (self.cells, self.runs, self.events, self.notes)
+        tables = (self.cells, self.runs, self.groups, self.events, self.notes)
         for before, after in pairwise((*order, *tables, self.note, self.about, self.add_note)):
             self.setTabOrder(before, after)
         self.runs.setFocus()
 
     def _fit_cells(self) -> None:
-        """Give the table of cells the height of all its rows, at most six rows."""
-        self.cells.setFixedHeight(
-            self.cells.horizontalHeader().sizeHint().height()
-            + min(self.cell_model.rowCount(), 6) * self.cells.verticalHeader().defaultSectionSize()
-            + 2 * self.cells.frameWidth()
-            + self.cells.horizontalScrollBar().sizeHint().height()
-        )
+        """Give the tables of cells and of games of several people the height of all their rows, at most six rows."""
+        for table, rows in ((self.cells, self.cell_model.rowCount()), (self.groups, self.group_model.rowCount())):
+            table.setFixedHeight(
+                table.horizontalHeader().sizeHint().height()
+                + min(rows, 6) * table.verticalHeader().defaultSectionSize()
+                + 2 * table.frameWidth()
+                + table.horizontalScrollBar().sizeHint().height()
+            )
 
     def _next_part(self, step: int) -> None:
-        parts = [part for part in self._parts if part.isEnabled()]
+        parts = [part for part in self._parts if part.isEnabled() and not part.isHidden()]
         focus = self.focusWidget()
         at = parts.index(focus) if focus in parts else -1
         parts[(at + step) % len(parts)].setFocus(Qt.FocusReason.ShortcutFocusReason)

@@ -1,11 +1,12 @@
 """Page of the researcher's desk: complete in each language, for each state of a run."""
 
 import pytest
+from msgspec import structs
 
 from thbridge.experiment.store.events import RunState
 from thbridge.files.language_texts import shipped_texts
-from ui.model.desk.messages import DeskCell, DeskMessage, DeskRun, DeskState
-from ui.web.page.desk_page import DeskNow, DeskPageMaker, PersonNow
+from ui.model.desk.messages import DeskCell, DeskGroup, DeskMessage, DeskRun, DeskSeat, DeskState
+from ui.web.page.desk_page import DeskNow, DeskPage, DeskPageMaker, PersonNow
 from ui.web.page.patches import patch
 
 NOON = "2026-03-01T12:00:00+00:00"
@@ -96,3 +97,31 @@ def test_people_of_one_game_are_together_with_their_seats_and_the_lobby_follows(
     ]
     alone = maker.page(STATE, DeskNow({"P-6": people["P-6"]}, 0, 7, True, True, "")).tables
     assert "Games of several people" not in [table.heading for table in alone]
+
+
+def test_the_table_of_people_has_groups_seats_and_waits() -> None:
+    seats = (DeskSeat("the north", "person", "P-UNDER_WAY"), DeskSeat("the judge", "program", "P-9"))
+    guide = DeskSeat("the guide", "empty", "")
+    groups = (DeskGroup("G-2", "trial", (*seats, guide), False), DeskGroup("G-1", "trial", seats, True))
+    state = structs.replace(STATE, groups=groups)
+    maker = DeskPageMaker(shipped_texts())
+
+    def page(person: PersonNow) -> DeskPage:
+        return maker.page(state, DeskNow({"P-UNDER_WAY": person}, 1, 5, True, True, ""))
+
+    def step(shown: DeskPage) -> str:
+        return next(row for row in shown.tables[0].rows if row.key == "P-UNDER_WAY").cells[2]
+
+    plays = page(PersonNow("here", None, 0, plays=True, game="G-2", seat="the north"))
+    assert step(plays).endswith(" · G-2, the north")
+    assert "People in the lobby: 0." in plays.sentences[1]
+    assert [row.cells for row in plays.tables[1].rows] == [
+        ("G-2", "the guide", "", "empty"),
+        ("G-2", "the judge", "P-9", "played by a program"),
+        ("G-2", "the north", "P-UNDER_WAY", "present"),
+    ]
+    waits = page(PersonNow("here", None, 0, plays=False, waited=35))
+    assert step(waits).endswith(" · waits for others, 0:35")
+    assert "People in the lobby: 1." in waits.sentences[1]
+    alone = maker.page(STATE, DeskNow({"P-UNDER_WAY": PersonNow("here", None, 0, plays=True)}, 1, 5, True, True, ""))
+    assert "·" not in step(alone) and "lobby" not in alone.sentences[1]
