@@ -112,6 +112,10 @@ class ArguingEngine:
             opening = self._possible.opening(
                 dialogue, Side.HUMAN, INFORMATION_SEEKING, evidence.decision or evidence.doubt
             )
+            if opening is None and evidence.decision is not None:
+                # The robot has said its decision before, for example as a reason. A person who asks hears it again.
+                opening = self._possible.opening(dialogue, Side.ROBOT, PERSUASION, evidence.decision)
+                return self._opened(dialogue, Speaker.ROBOT, opening, held)
             return self._opened(dialogue, Speaker.PERSON, opening, held)
         if self._possible.manner(topic.robot).condition is DialogueCondition.SUPERVISOR or evidence.decision == claim:
             return DialogueStep(dialogue, (), DialogueOutcome.CONSENSUS)

@@ -103,6 +103,11 @@ class GameDialogues:
         return utterances
 
     @property
+    def said(self) -> int:
+        """Number of utterances since the last call of `take_utterances`."""
+        return len(self._utterances)
+
+    @property
     def next_number(self) -> int:
         """Number of the next dialogue."""
         return self._opened + 1

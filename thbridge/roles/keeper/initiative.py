@@ -22,18 +22,25 @@ _READING = 30 * TICKS_PER_SECOND
 
 
 def suggest(game: OpenGame, state: GameState, robot: int, advice: Advice, *, unasked: bool = False) -> None:
-    """Record a robot's advice, and let the robot open the dialogue about it."""
+    """Record a robot's advice, and let the robot open the dialogue about it.
+
+    If the robot and the participant have said everything about this room without an agreement, refuse the request.
+    """
     room = advice.room
+    nothing_left = RequestRefused(NoTour.NOTHING_LEFT, "After what you have said, I know of no room to go to.")
     if game.dialogues.argues:
         chosen = game.dialogues.memories.decision(game.where_facts(state, robot, room))
         if chosen is None:
-            sentence = "After what you have said, I know of no room to go to."
-            game.refuse(kind_of(RequestSuggestion), RequestRefused(NoTour.NOTHING_LEFT, sentence))
+            game.refuse(kind_of(RequestSuggestion), nothing_left)
             return
         room = chosen
     opener = Speaker.ROBOT if unasked else Speaker.PERSON
     opened = _opening(game, Scenario.DONT_KNOW, robot, room, opener, advice.room)
+    said = game.dialogues.said
     game.record((advice.event(robot), structs.replace(opened, reason=advice.reason, confidence=advice.confidence)))
+    stands = robot in game.dialogues.under_way or game.dialogues.has_advised(robot)
+    if game.dialogues.said == said and not (stands or unasked):
+        game.refuse(kind_of(RequestSuggestion), nothing_left)
 
 
 def discuss(

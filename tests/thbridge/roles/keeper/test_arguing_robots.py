@@ -1,5 +1,6 @@
 """Robots that argue, in a game: what participants and robots agree upon is done, and nothing else."""
 
+import random
 import re
 
 import pytest
@@ -239,3 +240,28 @@ def test_what_is_not_done_after_all_is_not_told() -> None:
     assert (words.agreed, words.is_told, words.speakers[-1]) == (False, False, "person")
     said = [each for record in table.hunt.tick_records for each in record.utterances if each.topic.robot == 1]
     assert not any(isinstance(each.move, Conclude) and each.move.about is not None for each in said)
+
+
+def test_a_robot_repeats_a_suggestion_that_it_has_given_as_a_reason() -> None:
+    table = ArguingHunt()
+    suggested, room = table.suggested(), table.another_room()
+    table.wish(SelectRoom(0, room))
+    table.say("Why not")
+    assert f"room {suggested}" in table.dialogue().said[-1]
+    table.say("Let us leave it")
+    table.wish(RequestSuggestion(0))
+    assert table.dialogue().room == suggested
+    assert "All right" in table.dialogue().choices[0]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_request_for_a_suggestion_is_always_answered(seed: int) -> None:
+    table, draw = ArguingHunt(), random.Random(seed)
+    for _ in range(12):
+        refused = 0 if table.view.refusal is None else table.view.refusal.number
+        table.wish(draw.choice([RequestSuggestion(0), RequestSuggestion(0), SelectRoom(0, draw.randint(1, 8))]))
+        refusal = table.view.refusal
+        assert table.view.dialogues or table.view.consents or (refusal is not None and refusal.number > refused)
+        while table.view.dialogues:
+            open_to = [each for each in table.dialogue().choices if not each.startswith("All right, room")]
+            table.say(draw.choice(open_to[-3:]))
