@@ -15,6 +15,7 @@ from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import (
     ConsentGiven,
     GameStarted,
+    ObjectionReason,
     RobotDeparted,
     TreasureIdentified,
     TreasurePictured,
@@ -36,7 +37,7 @@ from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import REJOIN_PERIOD, RENEWAL_PERIOD, TabUI
 from thbridge.roles.shared.notices import KEEPER, FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, Subscribe
-from thbridge.roles.shared.team_notices import MarkRead, SayToPeople, Vote
+from thbridge.roles.shared.team_notices import MarkRead, RaiseObjection, SayToPeople, Vote
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     Debrief,
@@ -224,6 +225,7 @@ EVERY_WISH = [
     SayToPeople("Hello"),
     MarkRead(1),
     Vote(1, agrees=True),
+    RaiseObjection(1, ObjectionReason.NOT_SURE),
 ]
 
 
