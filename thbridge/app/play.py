@@ -41,7 +41,7 @@ from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, tlog_of
 from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.shared.seat_programs import programs_of
+from thbridge.roles.shared.seat_programs import program_of, programs_of
 from thbridge.ros.names import GRAPH_LINK
 from thbridge.rosgraph.sockets.joining import GraphAddress
 from thbridge.sockets.addresses import ListeningAddress
@@ -168,6 +168,8 @@ class PlayOptions:
             log of inputs can resume the hunt.
         ticks_at_once: number of ticks that run one after the other while there are no inputs. The processor needs less
             time for them than for ticks with pauses between them, but other programs see them late.
+        seats: names of the seats that participants have at the start; the hunt waits for the consent of these. If None,
+            participants have all seats.
     """
 
     rate: float
@@ -186,6 +188,7 @@ class PlayOptions:
     run: str = ""
     checkpoints: Checkpoints | None = None
     ticks_at_once: int = 1
+    seats: frozenset[str] | None = None
 
 
 async def play(
@@ -266,6 +269,8 @@ class _Hunt:
         self._session = open_session(setting, self._programs, recording, outlets)
         self._graph = _GraphStation(self._session)
         absent = {*programs_of(seat.name for seat in setting.study.seats)} - {*self._programs.names}
+        if options.seats is not None:
+            absent &= {program_of(seat) for seat in options.seats}
         asks = setting.consent is not None and bool(absent)
         self._desk = ConsentDesk(self._session.router, introductions(setting, absent)) if asks else None
         self._inputs: InputLog | None = None

@@ -5,7 +5,7 @@ calls `ending`.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from enum import StrEnum
 
 from sim.common.robot_numbers import robot_name
@@ -429,18 +429,24 @@ def end_game(state: GameState) -> Ruling:
     return (GameEnded(EndReason.GIVEN_UP, state.score),)
 
 
-def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event, ...]:
+def ending(
+    state: GameState, *, wait_for_decisions: bool = True, empty: Collection[str] = frozenset()
+) -> tuple[Event, ...]:
     """Return a `GameEnded` event if the game is over, otherwise no event.
 
     The game is over if no robot is moving, and all rooms are visited or no robot has energy for another move. The game
-    does not wait for silent robots.
+    does not wait for silent robots and empty seats.
 
     Args:
         state: the game.
         wait_for_decisions: True to wait for the decision on each treasure that a robot can name. False for participants
             of 2016, who never leave a treasure. If a ground station commands the robot at this treasure, the game waits
             in both cases, because the station will give the robot back.
+        empty: seats without participants. The game does not wait for moves of their robots. If no other seat names
+            treasures, it does not wait for decisions on treasures.
     """
+    if empty and all(seat.name in empty for seat in state.started.seats if seat.names_treasures):
+        wait_for_decisions = False
     if state.ended is not None or any(robot.bound_for is not None for robot in state.robots):
         return ()
     undecided = [room for room in state.started.costs.rooms if _may_be_decided(state, room)]
@@ -448,7 +454,7 @@ def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event,
         return ()
     if all(room.visited for room in state.rooms):
         return (GameEnded(EndReason.ALL_VISITED, state.score),)
-    if any(affordable(state, robot) for robot in range(len(state.robots))):
+    if any(affordable(state, robot) for robot in range(len(state.robots)) if not _has_left(state, robot, empty)):
         return ()
     return (GameEnded(EndReason.NO_MOVE_LEFT, state.score),)
 
@@ -460,6 +466,12 @@ def affordable(state: GameState, robot: int) -> tuple[Room, ...]:
         return ()
     costs = state.costs_from(robot)
     return tuple([room for room in state.free_rooms if costs[room.people] <= mover.energy])
+
+
+def _has_left(state: GameState, robot: int, empty: Collection[str]) -> bool:
+    """Return True if a robot's commander is an empty seat."""
+    command = state.robots[robot].command
+    return command.by is Commander.PARTICIPANT and command.name in empty
 
 
 def _intervenes(robot: int, researcher: str) -> CommanderChanged:

@@ -7,6 +7,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
 
+from sim.common.observations import TICKS_PER_SECOND
 from tests.support.hunts.hunt_without_simulator import RULES, scripted_engine, templates
 from thbridge.app.compose.game import build_bot, build_hider, known_treasures
 from thbridge.app.trials.puppets import Puppets
@@ -170,6 +171,11 @@ class SeatedHunt:
         """State of the game."""
         assert self.keeper.state is not None
         return self.keeper.state
+
+    @property
+    def seconds(self) -> float:
+        """Simulated time, s."""
+        return self._tick / TICKS_PER_SECOND
 
     def view(self, seat: str) -> View:
         """Return the latest view of a seat."""

@@ -265,6 +265,7 @@ class Keeper:
         self._debrief: Debrief | None = None
         # Input and output of the current step, and the decisions of the last step.
         self._has_input = False
+        self._empty: frozenset[str] = frozenset()
         self._requests: list[GameRequest] = []
         self._outgoing: list[TextMessage] = []
         self.decisions = KeeperDecisions((), (), WizardState())
@@ -389,7 +390,13 @@ class Keeper:
         """Run one tick; see `Role`."""
         if self._game.advance(tick):
             self._has_input = True
-        attended = self.consent.recordable and self._is_joined
+        if self._rules.seats:
+            empty = self._game.team.empty(self._rules.seats, self._present, self._game.seconds)
+            self._has_input = self._has_input or empty != self._empty
+            self._empty = empty
+        attended = self._is_joined and all(
+            place.participants.is_empty or place.consent.status(self.state).recordable for place in self._seats.values()
+        )
         timeout = self._attention_timeout
         if attended and timeout is not None and decide_alone(self._game, timeout):
             self._has_input = True
@@ -427,7 +434,7 @@ class Keeper:
                 sense_for_stations(self._game, self.state)
             if self.state is not None:
                 # Wait only for the decisions of our own programs: programs of 2016 never leave a treasure.
-                self._game.record(rules.ending(self.state, wait_for_decisions=self._is_joined))
+                self._game.record(rules.ending(self.state, wait_for_decisions=self._is_joined, empty=self._empty))
             self._send_notices()
             wizard = wizard_state(self._game, self.state)
         for place in self._seats.values():

@@ -271,6 +271,8 @@ class Bot:
                 if self._waited[room.room, len(room.known)] >= PATIENCE:
                     yield LeaveTreasure(room.room)
                 return
+            if not room.found or _is_awaited(view):
+                return
         if robot.moving_to is not None or robot.has_other_commander:
             return
         for consent in agreed:
@@ -432,6 +434,12 @@ def _is_allowed(view: View, request: ParticipantRequest) -> bool:
     if view.team is None:
         return True
     return why_not_allowed(revealed(view).state, view.team.own, request) is None
+
+
+def _is_awaited(view: View) -> bool:
+    """Return True if a teammate who is present can decide about treasures."""
+    teammates = () if view.team is None else view.team.teammates
+    return any(mate.present and mate.seat.names_treasures for mate in teammates)
 
 
 def _asked_robot(view: View, team: TeamView) -> Iterator[RequestHandback]:

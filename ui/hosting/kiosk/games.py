@@ -113,7 +113,14 @@ class StudyGames:
         return count
 
     async def play(
-        self, run: Run, step: PlannedStep, watcher: GameWatcher, *, goes_on: bool, group: str = ""
+        self,
+        run: Run,
+        step: PlannedStep,
+        watcher: GameWatcher,
+        *,
+        goes_on: bool,
+        group: str = "",
+        seats: frozenset[str] | None = None,
     ) -> dict[str, JsonValue] | None:
         """Play the game of a person or a group, or resume a game that was interrupted.
 
@@ -123,6 +130,7 @@ class StudyGames:
             watcher: host of the people.
             goes_on: True to resume the game that an earlier process began; False to start the game again.
             group: id of the group; empty for a game with one participant.
+            seats: see `PlayOptions`.
 
         Returns:
             The game's entry in the log; None if a game with one participant did not reach its end. A group has an
@@ -149,7 +157,7 @@ class StudyGames:
             # These include recordings of programs that died before the end of the game.
             for left in moved_aside(bag):
                 watcher.cut_off(left)
-            options = self._options(step, setting.study.rate, bag)
+            options = replace(self._options(step, setting.study.rate, bag), seats=seats)
             keeps_part = bool(group)
             try:
                 observer = GameObserver()

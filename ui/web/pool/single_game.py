@@ -77,6 +77,7 @@ class SingleGame:
             inputs=inputs,
             checkpoints=people.checkpoints,
             ticks_at_once=TICKS_AT_ONCE,
+            seats=frozenset(self.consents) | self.programs,
         )
 
         def progress(moment: TickRecord) -> None:

@@ -74,7 +74,8 @@ class StudyGame:
             count = await games.practise(self.run, self.step, watcher)
             missing: dict[str, Json] = {str(term): number for term, number in count.missing.items()}
             return {"data": tree(count.data), "missing": missing}
-        return tree(await games.play(self.run, self.step, watcher, goes_on=self.goes_on, group=self.group))
+        seats = frozenset(self.consents) | self.programs
+        return tree(await games.play(self.run, self.step, watcher, goes_on=self.goes_on, group=self.group, seats=seats))
 
 
 class _PeopleWatcher:

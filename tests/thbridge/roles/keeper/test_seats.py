@@ -6,6 +6,7 @@ import re
 import pytest
 from msgspec import structs
 
+from sim.common.observations import TICKS_PER_SECOND
 from tests.support.hunts.scripted_hunt import arguing_engine
 from tests.support.hunts.seated_hunt import SeatedHunt
 from thbridge.dialogue.conditions import DialogueCondition
@@ -14,6 +15,7 @@ from thbridge.hunt.events import (
     DecisionOutcome,
     DecisionProposed,
     DecisionSettled,
+    EndReason,
     GameEnded,
     PersonRead,
     PersonSaid,
@@ -26,7 +28,7 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.seats import DialogueSight, Seat, StopRight
 from thbridge.roles.keeper.team.decisions import AgreementRule, VotingRules
-from thbridge.roles.keeper.team.game_team import TeamRules
+from thbridge.roles.keeper.team.game_team import EMPTY_AFTER, TeamRules
 from thbridge.roles.keeper.team.people_talk import BURST, TalkRules
 from thbridge.roles.shared.notices import FloorPlan
 from thbridge.roles.shared.team_notices import LONGEST_TEXT, MarkRead, SayToPeople, Vote
@@ -203,6 +205,27 @@ class TestVotes:
         hunt.ask("driver", HandOver(0, "namer"))
         assert [each.outcome for each in hunt.events(DecisionSettled)] == [DecisionOutcome.VOID]
         assert hunt.view("judge").team.decisions == ()
+
+
+class TestEmptySeats:
+    SEATS = (DRIVER, structs.replace(NAMER, ends_game=False))
+
+    @pytest.mark.parametrize(("left", "other"), [("driver", "namer"), ("namer", "driver")])
+    def test_the_end_does_not_wait_for_an_empty_seat(self, left, other):
+        hunt = SeatedHunt(self.SEATS, voting(AgreementRule.ALL), energy=25.0)
+        hunt.leave(left)
+        while hunt.game.ended is None and hunt.seconds < 1000.0:
+            hunt.play(other)
+        assert {each.seat for each in hunt.events(RobotDeparted)} == {other}
+        assert hunt.game.ended.reason is EndReason.NO_MOVE_LEFT
+        assert hunt.seconds > EMPTY_AFTER
+
+    def test_a_game_waits_while_all_people_are_away(self):
+        hunt = SeatedHunt(self.SEATS, energy=25.0)
+        for seat in ("driver", "namer"):
+            hunt.leave(seat)
+        hunt.run(round((EMPTY_AFTER + 10.0) * TICKS_PER_SECOND))
+        assert hunt.game.ended is None
 
 
 class TestTexts:

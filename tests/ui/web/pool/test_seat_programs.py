@@ -11,10 +11,10 @@ import pytest
 from tests.support.programs.processes import run_thbridge
 from tests.support.studies.seats_in_a_worker import KEY, BrowserAtWorker, at_worker
 from tests.support.studies.team_at_browsers import TEAM, own_robots, playing
-from thbridge.hunt.events import JournalEntry, PersonSaid, RobotDeparted, SeatLeft, SeatTaken
+from thbridge.hunt.events import ConsentGiven, JournalEntry, PersonSaid, RobotDeparted, SeatLeft, SeatTaken
 from thbridge.recording.journal import journal_path, read_journal
 from thbridge.recording.recordings import journal_of
-from thbridge.study.study_file import Study
+from thbridge.study.study_file import ParticipantSection, Study
 from ui.web.pool.running_games import RunningGames
 from ui.web.pool.single_game import SingleGame
 
@@ -117,6 +117,26 @@ def test_a_program_takes_a_seat_before_the_game_begins(games: RunningGames, requ
 
     asyncio.run(asyncio.wait_for(run(), 200))
     check_replay(request_)
+
+
+def test_a_game_waits_for_no_consent_of_programs_and_empty_seats(games: RunningGames, tmp_path: Path) -> None:
+    (tmp_path / "consent.txt").write_text("We record what you do.")
+    study = replace(STUDY, participant=ParticipantSection(consent=Path("consent.txt")))
+    people, programs = {"north": "2026-10-01T10:00:00Z"}, frozenset({"south"})
+    request = SingleGame(study, tmp_path / "team.yaml", tmp_path / "team.bag", False, people, 600.0, programs=programs)
+
+    async def run() -> None:
+        async with at_worker(games, request, [*people]) as browsers:
+            north = browsers["north"]
+            north.open_page()
+            await playing(north)
+            await north.until(lambda: departures(request) == {"south"})
+            leave(north)
+
+    asyncio.run(asyncio.wait_for(run(), 200))
+    assert {each.seat for each in entries(request) if isinstance(each, ConsentGiven)} == {"north", "south"}
+    assert presence(request, "judge") == ""
+    check_replay(request)
 
 
 @pytest.mark.slow

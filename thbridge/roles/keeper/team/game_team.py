@@ -1,7 +1,7 @@
 """Texts, votes and objections of the participants of one game."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from thbridge.hunt.events import (
@@ -16,11 +16,13 @@ from thbridge.hunt.events import (
     TeamEntry,
     VoteCast,
 )
-from thbridge.hunt.seats import PlayedBy
+from thbridge.hunt.seats import PlayedBy, Seat
 from thbridge.roles.keeper.team.decisions import AgreementRule, TeamDecisions, VotingRules
 from thbridge.roles.keeper.team.objections import TeamObjections
 from thbridge.roles.keeper.team.people_talk import PeopleTalk, TalkRules
 
+EMPTY_AFTER = 60.0
+"""Simulated seconds without a participant after which the end of a game does not wait for a seat."""
 _NO_VOTES = VotingRules(dict.fromkeys(DecisionKind, AgreementRule.ONE), math.inf)
 _NO_TALK = TalkRules(math.inf, math.inf)
 
@@ -48,6 +50,7 @@ class GameTeam:
 
     def __init__(self, rules: TeamRules) -> None:
         self.present: dict[str, PlayedBy] = {}
+        self._seen: dict[str, float] = {}
         self.talk = PeopleTalk(rules.talk)
         self.decisions = TeamDecisions(rules.voting)
         self.objections = TeamObjections()
@@ -62,6 +65,19 @@ class GameTeam:
         joined = (SeatTaken(seat, now, by) for seat, by in present.items() if self.present.get(seat) is not by)
         left = (SeatLeft(seat, now) for seat in sorted(self.present) if seat not in present)
         return (*joined, *left)
+
+    def empty(self, seats: Sequence[Seat], present: Collection[str], now: float) -> frozenset[str]:
+        """Return the seats that have been empty for `EMPTY_AFTER`. If all seats are empty, return none.
+
+        Args:
+            seats: all seats.
+            present: seats whose participants are connected now.
+            now: simulated time, s.
+        """
+        for seat in seats:
+            if seat.name in present or seat.name not in self._seen:
+                self._seen[seat.name] = now
+        return frozenset(name for name, at in self._seen.items() if present and now - at >= EMPTY_AFTER)
 
     def leave(self, seat: str, now: float) -> tuple[SeatLeft, ...]:
         """Return the event that a participant has left, because another program takes the seat."""
