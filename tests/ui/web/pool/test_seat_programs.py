@@ -10,7 +10,7 @@ import pytest
 
 from tests.support.programs.processes import run_thbridge
 from tests.support.studies.seats_in_a_worker import KEY, BrowserAtWorker, at_worker
-from tests.support.studies.team_at_browsers import TEAM, own_robots, playing
+from tests.support.studies.team_at_browsers import TEAM, TEAM_TEXT, own_robots, playing
 from thbridge.hunt.events import ConsentGiven, JournalEntry, PersonSaid, RobotDeparted, SeatLeft, SeatTaken
 from thbridge.recording.journal import journal_path, read_journal
 from thbridge.recording.recordings import journal_of
@@ -121,6 +121,7 @@ def test_a_program_takes_a_seat_before_the_game_begins(games: RunningGames, requ
 
 def test_a_game_waits_for_no_consent_of_programs_and_empty_seats(games: RunningGames, tmp_path: Path) -> None:
     (tmp_path / "consent.txt").write_text("We record what you do.")
+    (tmp_path / "team.yaml").write_text(TEAM_TEXT)
     study = replace(STUDY, participant=ParticipantSection(consent=Path("consent.txt")))
     people, programs = {"north": "2026-10-01T10:00:00Z"}, frozenset({"south"})
     request = SingleGame(study, tmp_path / "team.yaml", tmp_path / "team.bag", False, people, 600.0, programs=programs)
