@@ -12,6 +12,7 @@ from tests.support.programs.processes import run_thbridge
 from tests.support.studies.seats_in_a_worker import KEY, BrowserAtWorker, at_worker
 from tests.support.studies.team_at_browsers import TEAM, TEAM_TEXT, own_robots, playing
 from thbridge.hunt.events import ConsentGiven, JournalEntry, PersonSaid, RobotDeparted, SeatLeft, SeatTaken
+from thbridge.hunt.seats import PlayedBy
 from thbridge.recording.journal import journal_path, read_journal
 from thbridge.recording.recordings import journal_of
 from thbridge.study.study_file import ParticipantSection, Study
@@ -21,6 +22,7 @@ from ui.web.pool.single_game import SingleGame
 PEOPLE = {"north": "", "judge": ""}
 STUDY = replace(TEAM, map="arena8", templates=Study().templates)
 """Game that lasts longer than the tests."""
+_HOLDERS = {PlayedBy.PERSON: "+", PlayedBy.PROGRAM: "*"}
 
 
 @pytest.fixture
@@ -42,9 +44,9 @@ def entries(request: SingleGame) -> tuple[JournalEntry, ...]:
 
 
 def presence(request: SingleGame, seat: str) -> str:
-    """Return when a seat was taken (+) and left (-)."""
+    """Return when a person (+) or a program (*) took a seat, and when it was left (-)."""
     about = (each for each in entries(request) if isinstance(each, SeatTaken | SeatLeft) and each.seat == seat)
-    return "".join("+" if isinstance(each, SeatTaken) else "-" for each in about)
+    return "".join(_HOLDERS[each.by] if isinstance(each, SeatTaken) else "-" for each in about)
 
 
 def departures(request: SingleGame) -> set[str]:
@@ -81,11 +83,11 @@ def test_programs_hold_seats_from_the_start_and_while_a_person_is_away(
             await asyncio.gather(playing(north), playing(judge))
             history = [each["text"] for each in judge.tree["history"]]
             await north.until(lambda: departures(request_) == {"south"})
-            assert presence(request_, "south") == "+"
+            assert presence(request_, "south") == "*"
 
             north.game.fill("judge")
             north.game.fill("judge")
-            await north.until(lambda: presence(request_, "judge") == "+-+")
+            await north.until(lambda: presence(request_, "judge") == "+-*")
             # The browser may connect again meanwhile, and does nothing.
             judge.open_page()
             await judge.act({"act": "SayToPeopleAct", "to": "", "text": "I am back."})
@@ -96,7 +98,7 @@ def test_programs_hold_seats_from_the_start_and_while_a_person_is_away(
             await judge.act({"act": "SayToPeopleAct", "to": "", "text": "Hello."})
             await north.until(lambda: said(request_))
             assert said(request_) == ["Hello."]
-            assert presence(request_, "judge") == "+-+-+"
+            assert presence(request_, "judge") == "+-*-+"
             assert not own_robots(judge)
             assert [each["text"] for each in judge.tree["history"]][: len(history)] == history
             leave(north, judge)
@@ -156,7 +158,7 @@ def test_after_a_kill_the_gateway_lets_the_program_have_the_seat_again(
             children = Path(f"/proc/{worker.process}/task/{worker.process}/children")
             await judge.until(children.read_text)
             judge.game.fill("north")
-            await judge.until(lambda: presence(request_, "north") == "+-+")
+            await judge.until(lambda: presence(request_, "north") == "+-*")
             copies = [*map(int, children.read_text().split())] if kills_copies else []
             for process in (*copies, worker.process):
                 os.kill(process, signal.SIGKILL)
@@ -167,7 +169,7 @@ def test_after_a_kill_the_gateway_lets_the_program_have_the_seat_again(
             judge.open_page()
             await playing(judge)
             await judge.until(lambda: {"north", "south"} <= departures(request_))
-            await judge.until(lambda: presence(request_, "north")[3:].endswith("-+"))
+            await judge.until(lambda: presence(request_, "north")[3:].endswith("*"))
             assert not north.tree
             judge.game.resume("north")
             await playing(north)
