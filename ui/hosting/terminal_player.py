@@ -13,6 +13,7 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import RoomNames
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.shared.participant_rules import JudgedRequest, KeeperReason, judge, revealed
+from thbridge.roles.shared.team_notices import RaiseObjection
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     Consent,
@@ -47,6 +48,9 @@ from ui.hosting.terminal_team import (
     allowed,
     asked_for_news,
     listed_takers,
+    objection_news,
+    objection_typed,
+    reason_lines,
     taker_named,
     vote_lines,
     vote_news,
@@ -168,6 +172,8 @@ class TerminalPlayer:
                 self._ask(view, StopRobot(index_of(int(robot))))
             case ["g", robot, *words] if _is_number(robot) and view.team is not None:
                 self._hand_over(view, index_of(int(robot)), " ".join(words))
+            case ["o", robot, *words] if _is_number(robot) and view.team is not None:
+                self._object(view, index_of(int(robot)), words)
             case [word, *reason] if view.team is not None and (agrees := answer_in(self.texts(), word)) is not None:
                 self._vote(view, reason, agrees=agrees)
             case ["a", robot] if _is_number(robot):
@@ -180,6 +186,8 @@ class TerminalPlayer:
                 self.show(self.texts().text("terminal.help"))
                 if view.team is not None:
                     self.show(self.texts().text("terminal.help_team"))
+                    if view.team.own.may_object:
+                        self.show(self.texts().text("terminal.help_object"))
                     self.show(self.texts().text("terminal.help_people"))
 
     def _means(self, typed: str, word: str) -> bool:
@@ -303,6 +311,17 @@ class TerminalPlayer:
         else:
             self._wanted = (vote,)
 
+    def _object(self, view: View, robot: int, words: Sequence[str]) -> None:
+        """Object in a teammate's dialogue with a robot or, if the number of a reason is missing, show the reasons."""
+        match objection_typed(view, robot, words):
+            case RaiseObjection() as objection:
+                self._wanted = (objection,)
+            case DialogueView() as dialogue:
+                for line in reason_lines(self.texts(), dialogue):
+                    self.show(line)
+            case None:
+                self.show(self.texts().text("terminal.nothing_to_object"))
+
     def _leave(self, view: View, telling: "Telling", room: int) -> None:
         place = _visited(view, room)
         if place is not None and place.left:
@@ -417,6 +436,7 @@ class Telling:
             if words not in before.last_words:
                 lines += self._sentences(words, told.get(words.dialogue, 0))
                 lines += () if words.is_told else (outcome_of(self.texts, words),)
+        lines += objection_news(self.texts, before, view)
         # The result of a vote is among the news already.
         voted = view.refusal is not None and view.refusal.reason == KeeperReason.NOT_AGREED_ON
         if view.refusal is not None and view.refusal != before.refusal and not voted:

@@ -2,13 +2,15 @@
 
 from collections.abc import Iterator, Sequence
 
+from sim.common.robot_numbers import number_of
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Commander
 from thbridge.hunt.seats import Seat
 from thbridge.roles.shared.participant_rules import revealed
 from thbridge.roles.shared.seat_rights import why_not_allowed
-from thbridge.roles.shared.team_notices import DecisionView, Vote
-from thbridge.roles.shared.view import IdentifyTreasure, ParticipantRequest, RobotView, SendRobot, View
+from thbridge.roles.shared.team_notices import LONGEST_REASON, REASONS, DecisionView, RaiseObjection, Vote
+from thbridge.roles.shared.view import DialogueView, IdentifyTreasure, ParticipantRequest, RobotView, SendRobot, View
+from ui.model.playing.objections import can_object, new_objections, objection_words, reason_words
 from ui.model.playing.seat_view import decision_about, decisions, label_of, takers
 from ui.model.playing.votes import awaits_own, needed, news_of, proposal, vote_words
 
@@ -74,6 +76,38 @@ def vote_news(texts: Texts, before: View, view: View) -> Iterator[str]:
     for each in decisions(view):
         if each.decision not in known:
             yield list(vote_lines(texts, view, each))[-1]
+
+
+def objection_typed(view: View, robot: int, words: Sequence[str]) -> RaiseObjection | DialogueView | None:
+    """Return the objection that was typed: the number of a reason, and own words.
+
+    Return the dialogue with the robot if no reason was typed, and None if the seat cannot object in such a dialogue.
+    """
+    talks = (each for each in view.dialogues if each.robot == robot and can_object(view, each))
+    dialogue = next(talks, None)
+    if dialogue is None:
+        return None
+    numbered = {str(number): reason for number, reason in enumerate(REASONS[dialogue.matter], start=1)}
+    if not words or words[0] not in numbered:
+        return dialogue
+    return RaiseObjection(dialogue.dialogue, numbered[words[0]], " ".join(words[1:])[:LONGEST_REASON])
+
+
+def reason_lines(texts: Texts, dialogue: DialogueView) -> Iterator[str]:
+    """Yield lines about the possible reasons for an objection, and how to object."""
+    for number, reason in enumerate(REASONS[dialogue.matter], start=1):
+        yield f"  {number}  {reason_words(texts, reason)}"
+    yield texts.text("terminal.object", number=number_of(dialogue.robot))
+
+
+def objection_news(texts: Texts, before: View, view: View) -> Iterator[str]:
+    """Yield lines about the objections since an earlier view, and how to object in a new dialogue of a teammate."""
+    for objection in new_objections(before, view):
+        yield objection_words(texts, view, objection)
+    known = {each.dialogue for each in before.dialogues}
+    for each in view.dialogues:
+        if each.dialogue not in known and can_object(view, each):
+            yield texts.text("terminal.object", number=number_of(each.robot))
 
 
 def asked_for_news(texts: Texts, before: View, view: View) -> Iterator[str]:

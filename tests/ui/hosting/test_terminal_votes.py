@@ -1,10 +1,19 @@
-"""Votes, hand-over and dialogues of teammates at the terminal."""
+"""Votes, hand-over, and objections in dialogues of teammates at the terminal."""
 
 import pytest
+from msgspec import structs
 
-from tests.support.hunts.people_in_a_hunt import ALL_AGREE, HuntOfPeople
-from thbridge.hunt.events import CommanderChanged, RobotDeparted, VoteCast
-from ui.model.playing.screen import AnswerDialogueAct, DialoguePopup, SelectRoomAct, VoteAct
+from tests.support.hunts.people_in_a_hunt import ALL_AGREE, SEATS, HuntOfPeople
+from thbridge.hunt.events import CommanderChanged, ObjectionRaised, ObjectionReason, RobotDeparted, VoteCast
+from ui.model.playing.screen import (
+    AnswerDialogueAct,
+    ChooseRobot,
+    DialoguePopup,
+    ObjectBecause,
+    RaiseObjectionAct,
+    SelectRoomAct,
+    VoteAct,
+)
 
 
 def hunt_at(seat):
@@ -77,3 +86,32 @@ def test_a_dialogue_of_a_teammate_has_its_speakers_and_no_answers():
     propose(hunt)
     assert "The driver to robot 1: Continue" in hunt.terminal.lines
     assert not any("[c Continue" in line for line in hunt.terminal.lines)
+
+
+def test_a_person_objects_in_a_dialogue_of_a_teammate():
+    driver, namer, scout = SEATS
+    hunt = HuntOfPeople((driver, structs.replace(namer, objects=True), scout), at_terminal="namer")
+    hunt.run()
+    assert typed(hunt, "o 1") == ["No teammate talks with this robot, or you may not object."]
+    hunt.people["driver"].do(SelectRoomAct(3))
+    hunt.run(12)
+    how = "To object, type o 1 and the number of a reason; own words may follow."
+    assert hunt.terminal.lines[-1] == how
+    assert typed(hunt, "o 1")[-2:] == ["  3  Another robot should go there.", how]
+    assert typed(hunt, "o 1 2 Room 5 is near.") == ["You object: Another room is better. “Room 5 is near.”"]
+    (entry,) = entries(hunt, ObjectionRaised)
+    assert (entry.seat, entry.reason, entry.text) == ("namer", "other-room", "Room 5 is near.")
+    assert typed(hunt, "o 1 1") == ["You have already objected in this dialogue."]
+
+
+def test_the_commander_at_the_terminal_reads_an_objection():
+    driver, namer, scout = SEATS
+    hunt = HuntOfPeople((driver, structs.replace(namer, objects=True), scout), at_terminal="driver")
+    hunt.run()
+    typed(hunt, "1 3")
+    namer_at = hunt.people["namer"]
+    namer_at.do(ChooseRobot(0))
+    namer_at.do(RaiseObjectionAct())
+    namer_at.do(ObjectBecause(ObjectionReason.TOO_FAR))
+    hunt.run()
+    assert hunt.terminal.lines[-1] == "The namer objects: That room is too far."

@@ -1,8 +1,8 @@
 """Effects of the participant's acts. Each act refers to the screen that the participant saw at that moment."""
 
-from thbridge.hunt.events import Commander, TreasureLeft
+from thbridge.hunt.events import Commander, ObjectionReason, TreasureLeft
 from thbridge.hunt.rooms import Room
-from thbridge.roles.shared.team_notices import LONGEST_REASON, Vote
+from thbridge.roles.shared.team_notices import LONGEST_REASON, RaiseObjection, Vote
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     EndGame,
@@ -31,10 +31,12 @@ from ui.model.playing.memory.state import (
     HuntMemory,
     LeaveLastTreasure,
     LeaveWindow,
+    ObjectionStep,
     ParticipantMemory,
     PendingStep,
     Reroute,
 )
+from ui.model.playing.objections import object_button
 from ui.model.playing.people import do_with_people
 from ui.model.playing.possible import (
     ends_game,
@@ -72,8 +74,10 @@ from ui.model.playing.screen import (
     MarkReadAct,
     MeasurePropertyAct,
     NextRobot,
+    ObjectBecause,
     PickName,
     PlayAgainAct,
+    RaiseObjectionAct,
     RequestHandbackAct,
     RequestSuggestionAct,
     SayToPeopleAct,
@@ -159,6 +163,8 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
             hunt.pending_step, memory.help_open = LeaveWindow(ends), False
         case HandOverTo(seat):
             _hand_over(memory, hunt, seat)
+        case ObjectBecause(reason):
+            _object(memory, hunt, reason)
         case VoteAct():
             _vote(hunt, act)
         case _ if hunt.pending_step is not None:
@@ -177,6 +183,8 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
             _ask_back(memory, hunt, memory.selected if robot is None else robot, now)
         case HandOverAct(robot):
             _choose_taker(memory, hunt, memory.selected if robot is None else robot, now)
+        case RaiseObjectionAct(text):
+            _choose_reason(memory, hunt, text, now)
         case TakeUpTreasureAct(robot):
             _take_up(memory, hunt, memory.selected if robot is None else robot, now)
         case ShowNext():
@@ -374,8 +382,8 @@ def _carry_out(memory: ParticipantMemory, hunt: HuntMemory, step: PendingStep) -
             memory.leaving = True
         case LeaveLastTreasure(room):
             hunt.pending.ask(LeaveTreasure(room), hunt.view)
-        case HandOverStep():
-            pass  # Only the choice of a teammate carries it out.
+        case HandOverStep() | ObjectionStep():
+            pass  # Only the choice of a teammate, or of a reason, carries it out.
 
 
 def _cancel(memory: ParticipantMemory, hunt: HuntMemory) -> None:
@@ -438,6 +446,28 @@ def _hand_over(memory: ParticipantMemory, hunt: HuntMemory, seat: str) -> None:
     if isinstance(step, HandOverStep) and step == memory.last_drawn.pending_step:
         hunt.pending_step = None
         hunt.pending.ask(HandOver(step.robot, seat), hunt.view)
+
+
+def _choose_reason(memory: ParticipantMemory, hunt: HuntMemory, text: str, now: float) -> None:
+    """Ask the participant for the reason of an objection in the dialogue that they saw."""
+    seen = memory.last_drawn.dialogue
+    dialogue = next((each for each in hunt.view.dialogues if seen is not None and each.dialogue == seen[0]), None)
+    if dialogue is None:
+        note(memory, hunt.texts.text("objections.ended"), now)
+        return
+    button = object_button(hunt, dialogue)
+    if button is not None and button.enabled:
+        step = ObjectionStep(dialogue.dialogue, text.strip()[:LONGEST_REASON])
+        hunt.pending_step, memory.help_open = step, False
+    elif button is not None:
+        note(memory, button.hint, now)
+
+
+def _object(memory: ParticipantMemory, hunt: HuntMemory, reason: ObjectionReason) -> None:
+    step = hunt.pending_step
+    if isinstance(step, ObjectionStep) and step == memory.last_drawn.pending_step:
+        hunt.pending_step = None
+        hunt.pending.ask(RaiseObjection(step.dialogue, reason, step.text), hunt.view)
 
 
 def _vote(hunt: HuntMemory, act: VoteAct) -> None:

@@ -234,15 +234,16 @@ def _help(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[tuple[str
     if hunt is None:
         return help_lines(memory.texts, 0)
     properties = any(not each.is_found for each in hunt.view.properties)
-    argues, several = hunt.view.has_last_word is not None, hunt.view.team is not None
+    argues, seats = hunt.view.has_last_word is not None, hunt.view.team
     return help_lines(
         hunt.texts,
         len(hunt.view.rooms),
         why_silent(memory, hunt),
         properties=properties,
         numbered=argues,
-        team=several,
+        team=seats is not None,
         has_map=sees_map(hunt.view),
+        objects=seats is not None and seats.own.may_object,
     )
 
 

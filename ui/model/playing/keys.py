@@ -35,6 +35,7 @@ from ui.model.playing.screen import (
     Phase,
     PickName,
     PlayAgainAct,
+    RaiseObjectionAct,
     RequestHandbackAct,
     RequestSuggestionAct,
     Screen,
@@ -103,6 +104,8 @@ PEOPLE = KeyBinding(("T",), GoToPeople(), "people.key")
 """Key during and after a game of several participants."""
 HAND_OVER = KeyBinding(("R",), HandOverAct(), "keys.hand_over")
 """Key in games with several participants, while a robot can be handed over."""
+OBJECT = KeyBinding(("O",), RaiseObjectionAct(), "keys.object")
+"""Key of seats that may object, while the dialogue of a teammate is shown."""
 HELP = KeyBinding(("F1", "H"), ShowHelp(), "keys.help")
 
 WAITING_KEY = "W"
@@ -239,6 +242,7 @@ def help_lines(
     numbered: bool = False,
     team: bool = False,
     has_map: bool = True,
+    objects: bool = False,
 ) -> tuple[tuple[str, str], ...]:
     """Return all lines of the help sheet as (keys, effect).
 
@@ -249,6 +253,7 @@ def help_lines(
         numbered: True if answers to robots are numbered.
         team: True in a game with several participants.
         has_map: False if the participant does not see the map.
+        objects: True if the participant may object in dialogues of teammates.
         silent: reason why there is no sound, shown in place of the effect of the sound key; empty if there is sound.
     """
     enter, ctrl = shown_key(texts, "Enter"), shown_key(texts, "Ctrl")
@@ -268,6 +273,8 @@ def help_lines(
     if team:
         yes, no = (binding.keys[0] for binding in question_keys(texts))
         lines += [help_line(texts, HAND_OVER), (yes, texts.text("keys.vote_yes")), (no, texts.text("keys.vote_no"))]
+    if objects:
+        lines.append(help_line(texts, OBJECT))
     if numbered:
         lines.append((texts.text("keys.one_to_other", key="1", other_key="5"), texts.text("keys.numbered_answer")))
         lines.append((listed("Up", "Down"), texts.text("keys.through_answers", key=enter)))
@@ -315,6 +322,8 @@ def _playing(key: str, screen: Screen) -> Act | None:
             answer = next((choice.act for choice in choices if choice.key == key), None)
             if answer is not None:
                 return answer
+            if key in OBJECT.keys and screen.popup.objects is not None:
+                return OBJECT.act
         case TreasurePopup() as pop if pop.asks_for_name:
             if key in _STEPS:
                 return _step(key, pop)

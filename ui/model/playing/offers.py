@@ -69,6 +69,8 @@ def _playing(screen: Screen) -> Iterator[Action]:
             yield from dialogue.choices
             if dialogue.enlarge is not None:
                 yield dialogue.enlarge
+            if dialogue.objects is not None:
+                yield dialogue.objects
             yield dialogue.aside
         case TreasurePopup() as treasure:
             if treasure.take_picture is not None:

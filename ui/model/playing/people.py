@@ -203,6 +203,7 @@ def may_words(texts: Texts, seat: Seat) -> str:
         "stop": seat.stops is StopRight.ALL,
         "take_over": seat.can_take_over,
         "end": seat.ends_game,
+        "object": seat.may_object,
     }
     listed = [texts.text(f"people.may_{right}") for right, has in rights.items() if has]
     return texts.text("people.may", what=texts.listed(listed)) if listed else ""

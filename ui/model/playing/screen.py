@@ -286,10 +286,19 @@ class VoteAct(Act):
 
 @dataclass(frozen=True, slots=True)
 class RaiseObjectionAct(Act):
-    """Object in the dialogue of a teammate that is shown, with a reason and own words, which may be empty."""
+    """Object in the dialogue of a teammate that is shown; the window asks for the reason.
+
+    The front end inserts the text of its field, the person's own words, which may be empty.
+    """
+
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectBecause(Act):
+    """Give the reason of the objection in the question shown."""
 
     reason: ObjectionReason
-    text: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -503,7 +512,8 @@ class DialoguePopup:
     Attributes:
         robot: index of the robot.
         title: subject of the dialogue, in words.
-        sentences: (speaker, sentence), oldest first; the speaker is "robot", "you" or "teammate".
+        sentences: (speaker, sentence), oldest first; the speaker is "robot", "you" or "teammate". The sentence of an
+            "objection" says who objects.
         choices: possible answers; empty while the robot prepares its next sentence.
         aside: button that puts the pop-up aside.
         warning: warning that the robot has enough energy to reach the room, but too little to take a picture or name
@@ -517,11 +527,13 @@ class DialoguePopup:
         ended: True if the dialogue has ended.
         outcome: result of the dialogue; empty until the end, and if the robot's last sentence states the result.
         partner: teammate who talks with the robot; empty if it is the participant.
+        objects: button to object in the dialogue of a teammate; None if that is not possible.
+        own_words: words in the empty field for the person's own words in an objection; empty if there is no field.
     """
 
     robot: int
     title: str
-    sentences: tuple[tuple[Literal["robot", "you", "teammate"], str], ...]
+    sentences: tuple[tuple[Literal["robot", "you", "teammate", "objection"], str], ...]
     choices: tuple[Action, ...]
     aside: Action
     warning: str = ""
@@ -534,6 +546,8 @@ class DialoguePopup:
     outcome: str = ""
     enlarge: Action | None = None
     partner: str = ""
+    objects: Action | None = None
+    own_words: str = ""
 
 
 @dataclass(frozen=True, slots=True)

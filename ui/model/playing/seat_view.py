@@ -7,8 +7,8 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.seats import Seat
 from thbridge.roles.shared.participant_rules import Situation
 from thbridge.roles.shared.seat_rights import why_not_allowed
-from thbridge.roles.shared.team_notices import DecisionView
-from thbridge.roles.shared.view import DialogueMatter, DialogueView, ParticipantRequest, View
+from thbridge.roles.shared.team_notices import DecisionView, ObjectionView
+from thbridge.roles.shared.view import DialogueMatter, DialogueView, ParticipantRequest, View, objections_of
 
 
 def sees_energy(view: View) -> bool:
@@ -107,3 +107,13 @@ def _seats(view: View) -> list[Seat]:
 def teammates_who_name(view: View) -> Iterator[str]:
     """Yield the labels of the teammates who may name treasures."""
     return (seat.label for seat in _seats(view)[1:] if seat.names_treasures)
+
+
+def is_by_own(view: View, objection: ObjectionView) -> bool:
+    """Return True if an objection is the participant's."""
+    return view.team is not None and view.team.own.name == objection.seat
+
+
+def has_objected(view: View, dialogue: int) -> bool:
+    """Return True if the participant has objected in a dialogue."""
+    return any(each.dialogue == dialogue and is_by_own(view, each) for each in objections_of(view))

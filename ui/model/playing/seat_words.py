@@ -29,6 +29,7 @@ def rights_sentences(texts: Texts, seat: Seat) -> tuple[str, ...]:
         "people.may_end": seat.ends_game,
     }
     done = [key for key, has in may.items() if has] + ["people.may_stop"] * (seat.stops is StopRight.ALL)
+    done += ["people.may_object"] * seat.may_object
     not_done = [key for key, has in may.items() if not has] + ["seats.may_stop_any"] * (seat.stops is StopRight.NONE)
     unseen = {
         "seats.see_map": seat.sees_map,

@@ -107,6 +107,8 @@ def name_of_speaker(texts: Texts, pop: DialoguePopup, speaker: str) -> str:
             return texts.text("window.robot", robot=pop.robot)
         case "teammate":
             return pop.partner
+        case "objection":
+            return ""  # The sentence says who objects.
         case _:
             return texts.text("window.you")
 

@@ -35,9 +35,11 @@ from ui.model.playing.memory.state import (
     LeaveLastTreasure,
     LeaveWindow,
     Note,
+    ObjectionStep,
     ParticipantMemory,
     Reroute,
 )
+from ui.model.playing.objections import new_objections, objection_words, robot_of
 from ui.model.playing.people import people_at_start, people_changes
 from ui.model.playing.possible import (
     ends_game,
@@ -294,6 +296,10 @@ def _receive_team(memory: ParticipantMemory, before: View, view: View, now: floa
         memory.history.add_event(sentence)
     if results := results_of(memory.texts, before, view):
         memory.note = Note(results, now + NOTE)
+    for objection in new_objections(before, view):
+        robot = robot_of(view, objection)
+        if robot is not None:
+            _announce(memory, objection_words(memory.texts, view, objection), view.robots[robot], now)
     asked = () if before.team is None else before.team.asked_for
     for robot, seat in () if view.team is None else view.team.asked_for:
         if (robot, seat) not in asked:
@@ -396,6 +402,9 @@ def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float)
             reason = why_not_command(texts, hunt.known, robot)
             if reason is None and hunt.view.over is not None:
                 reason = texts.text("hints.refused_game_over")
+        case ObjectionStep(number):
+            if all(each.dialogue != number for each in hunt.view.dialogues):
+                reason = texts.text("objections.ended")
         case LeaveWindow():
             reason = None if hunt.view.over is None else texts.text("hints.refused_game_over")
         case None:

@@ -182,8 +182,8 @@ class PageSentence:
     """Sentence in a dialogue or in the history.
 
     Attributes:
-        speaker: "robot", "you", "teammate" or "game".
-        who: name of the speaker; empty for the game.
+        speaker: "robot", "you", "teammate", "objection" or "game".
+        who: name of the speaker; empty for the game, and for an objection, whose sentence contains it.
         text: the sentence.
         robot: index of the robot that speaks or is addressed; None without one.
     """
@@ -192,6 +192,19 @@ class PageSentence:
     who: str
     text: str
     robot: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class PageObjection:
+    """Objection that the participant may raise in the dialogue of a teammate.
+
+    Attributes:
+        button: objects; the browser adds the text of the field to its act.
+        own_words: words in the empty field for the participant's own words; empty if there is no field.
+    """
+
+    button: PageButton
+    own_words: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,6 +224,7 @@ class PageDialogue:
         facts: known properties of the treasure that it is about.
         picture: id of the treasure's picture; empty without one.
         enlarge: enlarges the picture; None without one.
+        objection: objection of the participant; None if that is not possible.
     """
 
     robot: int
@@ -225,6 +239,7 @@ class PageDialogue:
     facts: tuple[PageFact, ...]
     picture: str
     enlarge: PageButton | None
+    objection: PageObjection | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -558,6 +573,7 @@ class BrowserPageMaker:
             facts=tuple(button.fact(fact) for fact in pop.facts if fact.value),
             picture=self._picture_id(pop.picture),
             enlarge=button.optional(pop.enlarge, texts.text("window.picture_of_find")),
+            objection=None if pop.objects is None else PageObjection(button.one(pop.objects), pop.own_words),
         )
 
     def _treasure(self, button: "_ButtonMaker", pop: DialoguePopup | TreasurePopup | None) -> PageTreasure | None:

@@ -286,7 +286,10 @@ export class GamePage {
       made.state = element("p", { class: "muted" });
       made.outcome = element("p", { class: "outcome" });
       made.warning = element("p", { class: "warning" });
-      made.body.append(made.figure, made.facts, made.said, made.state, made.outcome, made.warning);
+      made.words = element("input", { type: "text", maxlength: "200" });
+      made.object = button((act) => this.act({ ...act, text: made.words.value.trim() }), "small");
+      made.objection = element("div", { class: "row own objection" }, made.words, made.object);
+      made.body.append(made.figure, made.facts, made.said, made.state, made.outcome, made.warning, made.objection);
       made.foot.classList.add("answers");
     }
     set(made.figure, { hidden: !pop.picture, title: pop.enlarge?.hint || null });
@@ -300,12 +303,19 @@ export class GamePage {
       () => element("li", {}, element("b", { class: "unseen" }), element("span", {})),
       (line, sentence) => {
         set(line, { "data-speaker": sentence.speaker });
-        set(line.children[0], { text: `${sentence.who}: ` });
+        set(line.children[0], { text: sentence.who ? `${sentence.who}: ` : "" });
         set(line.children[1], { text: sentence.text });
       },
     );
     if (made.said.children.length !== count) made.said.scrollTop = made.said.scrollHeight;
     for (const name of ["state", "outcome", "warning"]) set(made[name], { text: pop[name], hidden: !pop[name] });
+    const { objection } = pop;
+    made.objection.hidden = !objection;
+    if (objection) showButton(made.object, objection.button);
+    // Words for one dialogue are never sent to another.
+    if (!objection?.own_words || made.about !== pop.title) made.words.value = "";
+    made.about = pop.title;
+    set(made.words, { hidden: !objection?.own_words, placeholder: objection?.own_words, "aria-label": objection?.own_words });
     buttons(made.foot, pop.choices, this.act);
   }
 
@@ -418,6 +428,7 @@ export class GamePage {
       if (name === (this.page.treasure?.names.length ? "Ctrl+A" : "A") && this.page.phase === "playing") this.map.fit();
       if (name === "Ctrl+,") this.openSettings();
       else if (name === this.page.people?.key) this.people.focus();
+      else if (name === this.page.dialogue?.objection?.button.key && !this.page.question) this.parts.dialogue.object.click();
       else this.#press(name);
       return;
     }

@@ -2,52 +2,20 @@
 
 from dataclasses import replace
 
-from PySide6.QtCore import QEvent, QSize, Qt, Signal
-from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLineEdit, QVBoxLayout, QWidget
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QVBoxLayout, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.roles.shared.team_notices import LONGEST_REASON
 from ui.model.playing.screen import OpenVote, VoteAct
 from ui.windows import look
 from ui.windows.look import GAP, px, spaced
 from ui.windows.participant.widgets.buttons import ActionRow
 from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.panels import OpaqueBackground, PanelScrollArea, RobotChip, least_height, set_text
+from ui.windows.participant.widgets.reason_line import ReasonLine
 
 WIDTH = 520
 """Greatest width of the panel, `px`."""
-
-
-class ReasonLine(QLineEdit):
-    """Line for a text that a person types. While it has the focus, all keys belong to it.
-
-    Enter does nothing, because it must not press a button of the window. Esc gives the focus back to the window.
-    """
-
-    def __init__(self, words: str) -> None:
-        super().__init__()
-        self.setMaxLength(LONGEST_REASON)
-        self.setPlaceholderText(words)
-        self.setAccessibleName(words)
-        self.setMinimumWidth(px(120))
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-
-    def event(self, event: QEvent) -> bool:
-        """Keep keys from the window's shortcuts, except those that move from part to part."""
-        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
-            moves = event.key() == Qt.Key.Key_F6 or (event.key() == Qt.Key.Key_Tab and event.modifiers())
-            if not moves:
-                event.accept()
-                return True
-        return super().event(event)
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Handle Enter and Esc; see the class."""
-        if event.key() == Qt.Key.Key_Escape:
-            self.window().setFocus()
-        elif event.key() not in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
-            super().keyPressEvent(event)
 
 
 class VoteRow(QWidget):

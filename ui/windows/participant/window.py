@@ -37,6 +37,7 @@ from ui.model.playing.screen import (
     GoOnFromGame,
     GoToPeople,
     Phase,
+    RaiseObjectionAct,
     Screen,
     SelectRoomAct,
     ShowSettings,
@@ -242,6 +243,8 @@ class ParticipantWindow(QWidget):
             self.waiting.people.setChecked(True)
             self.people.go_to()
             return
+        if isinstance(act, RaiseObjectionAct):
+            act = RaiseObjectionAct(self.dialogue.own_words.text())
         self._model.do(act, now)
         if isinstance(act, FitMap):
             self.map.fit()

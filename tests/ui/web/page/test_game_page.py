@@ -8,7 +8,7 @@ from tests.support.windows import sample_screens
 from thbridge.files.language_texts import shipped_texts
 from ui.model.playing.keys import act_for
 from ui.model.playing.offers import offers
-from ui.model.playing.screen import Action, OpenVote, Screen, VoteAct
+from ui.model.playing.screen import Action, DialoguePopup, OpenVote, RaiseObjectionAct, Screen, ShowNext, VoteAct
 from ui.web.page.game_page import KEYS, BrowserPage, BrowserPageMaker, PageButton
 from ui.web.page.messages import decode_act
 from ui.web.page.patches import tree
@@ -54,6 +54,27 @@ def test_each_state_offers_the_acts_of_its_screen(name: str) -> None:
     assert {repr(action.act) for action in offers(screen)} <= shown
     assert set(page.keys) == {key for key in KEYS if act_for(key, screen) is not None}
     assert isinstance(tree(page), dict)
+
+
+def test_an_objection_is_on_the_page_and_comes_back_with_the_own_words() -> None:
+    pop = DialoguePopup(
+        0,
+        "Robot 1: room 3",
+        (("robot", "Shall I go?"), ("objection", "The scout objects: That room is too far.")),
+        (),
+        Action(ShowNext(), "Close", "Esc"),
+        partner="the driver",
+        objects=Action(RaiseObjectionAct(), "Object", "O"),
+        own_words="Your own words",
+    )
+    page = page_of(replace(STATES["playing"], popup=pop))
+    assert page.dialogue is not None and page.dialogue.objection is not None
+    assert page.dialogue.objection.own_words == "Your own words"
+    assert (page.dialogue.sentences[-1].who, page.dialogue.sentences[-1].speaker) == ("", "objection")
+    assert "O" in page.keys
+    given = tree(page.dialogue.objection.button.act)
+    assert isinstance(given, dict)
+    assert decode_act({**given, "text": "too far"}) == RaiseObjectionAct("too far")
 
 
 def test_a_vote_is_on_the_page_and_comes_back_with_the_reason() -> None:

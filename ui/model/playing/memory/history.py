@@ -15,8 +15,8 @@ from ui.model.shared.points import scored
 MAX_LINES = 500
 """Maximum number of lines in the history."""
 
-SpokenLine = tuple[Literal["robot", "you", "teammate"], str]
-"""Speaker of a sentence, and the sentence."""
+SpokenLine = tuple[Literal["robot", "you", "teammate", "objection"], str]
+"""Speaker of a sentence, and the sentence. The sentence of an objection says who objects."""
 
 
 class KeptLines(Protocol):
@@ -188,7 +188,9 @@ def says(dialogue: DialogueView, choice: int) -> bool:
     return dialogue.acts[choice : choice + 1] not in {("open-questions",), ("close-questions",)}
 
 
-def spoken(dialogue: DialogueView | LastWords, *, own: bool = True) -> tuple[SpokenLine, ...]:
+def spoken(
+    dialogue: DialogueView | LastWords, *, own: bool = True
+) -> tuple[tuple[Literal["robot", "you", "teammate"], str], ...]:
     """Return the sentences of a dialogue, each with its speaker. If `own` is False, a teammate talks with the robot.
 
     If the view does not name the speakers, robot and participant alternate, and the robot begins.

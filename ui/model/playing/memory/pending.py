@@ -4,7 +4,7 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.roles.shared.participant_rules import Situation, revealed
-from thbridge.roles.shared.team_notices import Vote, VoteView
+from thbridge.roles.shared.team_notices import RaiseObjection, Vote, VoteView
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     EndGame,
@@ -26,7 +26,7 @@ from thbridge.roles.shared.view import (
     refusal_wishes,
 )
 from ui.model.playing.possible import why_not_ask, why_not_command, why_not_find_out, why_not_go, why_not_work
-from ui.model.playing.seat_view import decision_about, decisions
+from ui.model.playing.seat_view import decision_about, decisions, has_objected
 
 
 class PendingRequests:
@@ -161,6 +161,9 @@ def _granted(request: ParticipantRequest, view: View, known: Situation, before: 
             known_votes = {each.decision: each.votes for each in decisions(view)}
             own = "" if view.team is None else view.team.own.name
             return decision not in known_votes or VoteView(own, agrees, reason) in known_votes[decision]
+        case RaiseObjection(dialogue):
+            # If the dialogue has ended before the objection, the game refuses it.
+            return has_objected(view, dialogue) or all(each.dialogue != dialogue for each in view.dialogues)
         case PlayAgain(game):
             return view.game != game
         case _:

@@ -64,6 +64,17 @@ class HandOverStep:
 
 
 @dataclass(frozen=True, slots=True)
+class ObjectionStep:
+    """Step that needs a reason: the participant objects in a dialogue of a teammate, given by its number.
+
+    The participant's own words may be empty.
+    """
+
+    dialogue: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class Note:
     """Sentence that is shown for a limited time.
 
@@ -78,7 +89,7 @@ class Note:
     about: PopupItem | None = None
 
 
-PendingStep = Reroute | DepartUndecided | EndGameEarly | LeaveLastTreasure | LeaveWindow | HandOverStep
+PendingStep = Reroute | DepartUndecided | EndGameEarly | LeaveLastTreasure | LeaveWindow | HandOverStep | ObjectionStep
 """Step that waits for the participant's confirmation."""
 
 

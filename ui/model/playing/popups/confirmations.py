@@ -1,5 +1,6 @@
 """Questions that ask for confirmation before steps that cannot be undone."""
 
+from thbridge.roles.shared.team_notices import REASONS
 from ui.model.playing.keys import question_keys
 from ui.model.playing.memory.state import (
     DepartUndecided,
@@ -8,11 +9,14 @@ from ui.model.playing.memory.state import (
     HuntMemory,
     LeaveLastTreasure,
     LeaveWindow,
+    ObjectionStep,
     ParticipantMemory,
     Reroute,
 )
-from ui.model.playing.screen import Action, Cancel, Confirm, Confirmation, HandOverTo
-from ui.model.playing.seat_view import asker_of, label_at_begin, sees_energy, sees_score, takers
+from ui.model.playing.objections import reason_words
+from ui.model.playing.people import shown_text
+from ui.model.playing.screen import Action, Cancel, Confirm, Confirmation, HandOverTo, ObjectBecause
+from ui.model.playing.seat_view import asker_of, label_at_begin, partner_of, sees_energy, sees_score, takers
 from ui.model.shared.points import scored
 
 
@@ -70,6 +74,8 @@ def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | 
             )
         case HandOverStep(robot):
             return _who_takes(hunt, robot, yes)
+        case ObjectionStep() as step:
+            return _why_object(hunt, step, no)
         case None:
             return None
 
@@ -85,6 +91,23 @@ def _who_takes(hunt: HuntMemory, robot: int, yes: str) -> Confirmation:
     title, text = texts.text("seats.who_takes", robot=robot), texts.text("seats.who_takes_text")
     no = question_keys(texts)[1].keys[0]
     return Confirmation(title, text, first, Action(Cancel(), texts.text("seats.keep"), no), tuple(others))
+
+
+def _why_object(hunt: HuntMemory, step: ObjectionStep, no: str) -> Confirmation | None:
+    """Return the question for the reason of an objection; None if the dialogue has ended."""
+    texts = hunt.texts
+    dialogue = next((each for each in hunt.view.dialogues if each.dialogue == step.dialogue), None)
+    if dialogue is None:
+        return None
+    first, *others = [
+        Action(ObjectBecause(reason), reason_words(texts, reason), str(number))
+        for number, reason in enumerate(REASONS[dialogue.matter], start=1)
+    ]
+    key = "objections.why_text_because" if step.text else "objections.why_text"
+    seat = label_at_begin(partner_of(hunt.view, dialogue))
+    text = texts.text(key, seat=seat, words=shown_text(step.text))
+    cancel = Action(Cancel(), texts.text("objections.cancel"), no)
+    return Confirmation(texts.text("objections.why"), text, first, cancel, tuple(others))
 
 
 def _reroute_text(memory: ParticipantMemory, hunt: HuntMemory, robot: int, room: int) -> str:

@@ -8,6 +8,7 @@ from ui.model.playing.keys import BACK, WAITING_KEY, choice_keys, keyed
 from ui.model.playing.memory.history import SpokenLine, says, spoken
 from ui.model.playing.memory.popup_queue import DestinationItem
 from ui.model.playing.memory.state import HuntMemory
+from ui.model.playing.objections import object_button, with_objections
 from ui.model.playing.possible import energy_warning
 from ui.model.playing.screen import Action, AnswerDialogueAct, DialoguePopup, ShowNext
 from ui.model.playing.seat_view import is_own, partner_of
@@ -52,11 +53,11 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
         return _followed(hunt, dialogue)
     acts = dialogue.acts if argues else ()
     answered = hunt.pending.answer(dialogue.dialogue, dialogue.turn)
-    sentences = list(spoken(dialogue))
+    sentences: list[SpokenLine] = [*with_objections(texts, hunt.view, dialogue, spoken(dialogue))]
     opening = _opening(hunt, dialogue)
     if opening:
         # Robots that argue repeat the participant's sentence as the first move.
-        sentences[:1] = [*opening, *(line for line in sentences[:1] if line[0] == "robot")]
+        sentences[:1] = [*opening, *(line for line in sentences[:1] if line[0] != "you")]
     if answered is not None and says(dialogue, answered):
         sentences.append(("you", dialogue.choices[answered]))
     keys = choice_keys(dialogue.choices, acts)
@@ -88,16 +89,19 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
 
 def _followed(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
     """Return the pop-up of a dialogue of a teammate, without answers."""
-    texts, partner = hunt.texts, partner_of(hunt.view, dialogue)
+    texts, partner, objects = hunt.texts, partner_of(hunt.view, dialogue), object_button(hunt, dialogue)
+    writes = objects is not None and objects.enabled and hunt.view.team is not None and hunt.view.team.talk_is_open
     return DialoguePopup(
         dialogue.robot,
         dialogue_title(hunt, dialogue),
-        spoken(dialogue, own=False),
+        with_objections(texts, hunt.view, dialogue, spoken(dialogue, own=False)),
         (),
         keyed(ShowNext(), texts.text("popups.close")),
         room=dialogue.room,
         note=texts.text("seats.talks_with", seat=partner, robot=dialogue.robot) if partner else "",
         partner=partner or hunt.view.robots[dialogue.robot].commander_name,
+        objects=objects,
+        own_words=texts.text("objections.own_words") if writes else "",
     )
 
 
@@ -106,7 +110,8 @@ def _note(hunt: HuntMemory, dialogue: DialogueView, sentences: Sequence[SpokenLi
 
     The remark says which side decides in the end, or that the participant must answer although the robot is silent.
     """
-    if sentences[-1][0] == "you" and BACK not in dialogue.acts:
+    last = next((speaker for speaker, _ in reversed(sentences) if speaker != "objection"), "")
+    if last == "you" and BACK not in dialogue.acts:
         return hunt.texts.text("popups.your_turn", robot=dialogue.robot)
     return hunt.texts.text(f"popups.decision_of_{hunt.view.has_last_word}", robot=dialogue.robot)
 
@@ -119,7 +124,7 @@ def _warning(hunt: HuntMemory, dialogue: DialogueView) -> str:
 def _last_words_popup(hunt: HuntMemory, words: LastWords) -> DialoguePopup:
     """Return the pop-up with the end of a dialogue about a robot's next room."""
     texts, own = hunt.texts, is_own(hunt.view, words.robot, words.matter)
-    sentences = spoken(words, own=own)[-LAST_SENTENCES:]
+    sentences = with_objections(texts, hunt.view, words, spoken(words, own=own))[-LAST_SENTENCES:]
     outcome = "" if words.is_told else outcome_of(texts, words)
     if not sentences:
         outcome = f"{outcome} {texts.text('popups.said_before')}".lstrip()

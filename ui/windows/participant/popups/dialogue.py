@@ -1,7 +1,7 @@
 """Pop-up of a dialogue between a robot and the participant."""
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
 from ui.model.playing.screen import DialoguePopup
@@ -11,6 +11,7 @@ from ui.windows.look import GAP, px, spaced
 from ui.windows.participant.popups.finding import PICTURE, TreasureFacts, TreasurePicture, find_size
 from ui.windows.participant.widgets.buttons import ActionButton, ActionRow
 from ui.windows.participant.widgets.panels import TitledPanel, Transcript
+from ui.windows.participant.widgets.reason_line import ReasonLine
 
 _SAID_WIDTH = 140
 """Smallest width of the sentences if they are next to a picture, `px`."""
@@ -43,6 +44,12 @@ class DialoguePanel(TitledPanel):
         self.rows.addLayout(answers)
         # All answer buttons look the same, because the window must not suggest an answer.
         self.choices = ActionRow(texts, answers, self.requested, hints=True)
+        # The person's own words in an objection, and its button.
+        foot = spaced(QHBoxLayout(), GAP)
+        self.own_words = ReasonLine(texts.text("objections.own_words"))
+        foot.addWidget(self.own_words, 1)
+        self.objects = ActionRow(texts, foot, self.requested, hints=True)
+        self.rows.addLayout(foot)
         # Index of the answer that opened the questions. It gets the focus again when the person leaves the questions.
         self._left_from = 0
         self.arrange(self.usual_size())
@@ -66,6 +73,10 @@ class DialoguePanel(TitledPanel):
         self._outcome.setVisible(bool(pop.outcome))
         self._warning.setText(self._texts.text("window.warning", warning=pop.warning))
         self._warning.setVisible(bool(pop.warning))
+        if not pop.own_words or before is None or before.title != pop.title:
+            self.own_words.clear()
+        self.own_words.setVisible(bool(pop.own_words))
+        self.objects.show_actions(() if pop.objects is None else (pop.objects,))
         focused = self._focused()
         self.choices.show_actions(pop.choices)
         if focused is not None and pop.choices:

@@ -29,8 +29,8 @@ OVERLAY_COLOUR = "#0b0f14"
 """Color of the overlay that dims the window, in the light and in the dark style."""
 
 
-SpeakerName: TypeAlias = Literal["robot", "you", "teammate"]
-"""Speaker of a sentence in a dialogue."""
+SpeakerName: TypeAlias = Literal["robot", "you", "teammate", "objection"]
+"""Speaker of a sentence in a dialogue. The sentence of an objection says who objects."""
 
 
 class RobotChip(QWidget):
@@ -204,7 +204,7 @@ class SpeechBubble(QWidget):
     """Speech bubble with a sentence.
 
     The bubble of a robot is on the left in the robot's color. The participant's bubble is on the right in the accent
-    color. The bubble of a teammate is on the right, too, with a gray edge.
+    color. The bubbles of a teammate and of an objection are on the right, too, with a gray or red edge.
     """
 
     def __init__(self, texts: Texts, speaker: SpeakerName, text: str, robot: int, teammate: str = "") -> None:
@@ -215,7 +215,7 @@ class SpeechBubble(QWidget):
         self._older = False
         names = {"robot": texts.text("window.robot", robot=robot), "you": texts.text("window.you")}
         who = names.get(speaker, teammate)
-        self.setAccessibleName(texts.text("window.said", who=who, words=text))
+        self.setAccessibleName(text if speaker == "objection" else texts.text("window.said", who=who, words=text))
         policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
@@ -249,7 +249,7 @@ class SpeechBubble(QWidget):
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(palette.track))
         painter.drawRoundedRect(bubble, 10, 10)
-        edge = palette.accent if self._speaker == "you" else palette.muted
+        edge = {"you": palette.accent, "objection": palette.bad}.get(self._speaker, palette.muted)
         painter.setBrush(QColor(palette.robot(self._robot) if robot else edge))
         at = bubble.left() if robot else bubble.right() - 4.0
         painter.drawRoundedRect(QRectF(at, 7.0, 4.0, bubble.height() - 14.0), 2, 2)
