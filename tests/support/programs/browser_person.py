@@ -88,7 +88,7 @@ class BrowserPerson:
         self._items = {(form.title, item.id): item for form in design.forms.values() for item in form.items}
         self.manner = manner
         self._random = random.Random(seed)
-        self._left = self._read = 0
+        self._left = self._read = self._played = 0
         self._in_game = 0
 
     async def go_through(self) -> str:
@@ -115,7 +115,7 @@ class BrowserPerson:
             await self.browser.close()
             self.browser.study.clear()
             self.browser.tree = {}
-            self._left = self._read = 0
+            self._left = self._read = self._played = 0
             with suppress(OSError, InvalidHandshake, http.client.HTTPException):
                 await asyncio.to_thread(self.browser.load, self._query)
                 await self.browser.open()
@@ -250,7 +250,7 @@ class BrowserPerson:
     def _is_in_game(self, shown: dict[str, Any]) -> bool:
         """Return True while the page shows the game: a game that has ended stays, until the person leaves it."""
         if shown["t"] == "game":
-            self._in_game = self._in_game if shown["page"] == self._left else 0
+            self._in_game = self._in_game if shown["page"] == self._played else 0
             return True
         return bool(
             shown["t"] == "recorded" and self.browser.tree.get("ending") and self._game["page"] == shown["page"]
@@ -273,7 +273,7 @@ class BrowserPerson:
             await self._leave(shown["page"], "WentOn")
             return
         wanted = self._wanted(tree)
-        self._left = shown["page"]
+        self._played = shown["page"]
         self._in_game += 1
         if wanted is not None:
             self.acts.append(wanted["act"])

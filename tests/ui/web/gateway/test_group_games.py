@@ -4,7 +4,7 @@ import asyncio
 import hashlib
 import os
 import signal
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from thbridge.experiment.groups import GroupGame
 from thbridge.experiment.lobby import SeatHolder
 from thbridge.experiment.progress import Progress
 from thbridge.experiment.rehearsal.people import SimulatedPeople
-from thbridge.experiment.store.events import EventKind, LoggedEvent, RunState
+from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent, RunState
 from ui.web.pool.running_games import RunningGames
 
 STUDY = """\
@@ -145,21 +145,21 @@ def progress_of(folder: ExperimentFolder) -> Progress:
     return Progress(folder.read()).after(folder.entries())
 
 
-def events(folder: ExperimentFolder, *kinds: EventKind) -> list[LoggedEvent]:
-    """Return the events of these kinds in the log."""
-    return [each for each in folder.entries() if isinstance(each, LoggedEvent) and each.event.kind in kinds]
+def events(entries: Iterable[LogEntry], *kinds: EventKind) -> list[LoggedEvent]:
+    """Return the events of these kinds in a log."""
+    return [each for each in entries if isinstance(each, LoggedEvent) and each.event.kind in kinds]
 
 
-def seat_events(folder: ExperimentFolder) -> list[tuple[str, object]]:
+def seat_events(entries: Iterable[LogEntry]) -> list[tuple[str, object]]:
     """Return the kinds and the seats of all changes of seats."""
-    changes = events(folder, EventKind.SEAT_LEFT, EventKind.SEAT_FILLED, EventKind.SEAT_RESUMED)
+    changes = events(entries, EventKind.SEAT_LEFT, EventKind.SEAT_FILLED, EventKind.SEAT_RESUMED)
     return [(each.event.kind, (each.event.data or {})["seat"]) for each in changes]
 
 
 def only_game(folder: ExperimentFolder, progress: Progress, *people: BrowserPerson) -> GroupGame:
     """Check that there is one game, recorded once and logged once for each of these people; return it."""
     (game,) = progress.groups.values()
-    played = events(folder, EventKind.GAME_PLAYED)
+    played = events(folder.entries(), EventKind.GAME_PLAYED)
     runs = {run.code: run for run in progress.runs.values() if run.code}
     assert sorted(each.event.participant for each in played) == sorted(runs[one.code].participant for one in people)
     assert game.played is not None
@@ -196,13 +196,13 @@ def test_a_group_plays_together_and_each_person_has_their_own_way_through_the_st
 
 @pytest.mark.slow
 def test_people_who_reload_are_back_in_the_lobby_and_in_their_seats(folder: ExperimentFolder) -> None:
-    async def play(port: int, _: Conductor) -> None:
+    async def play(port: int, conductor: Conductor) -> None:
         first, second = person(folder, port), person(folder, port)
         await first.reload()
         await waits(first)
         await first.reload()
         await waits(first)
-        assert not events(folder, EventKind.GROUP_FORMED)
+        assert not conductor.progress.groups
         await second.reload()
         await asyncio.gather(plays(first), plays(second))
         seats = [seat_of(one) for one in (first, second)]
@@ -217,7 +217,7 @@ def test_people_who_reload_are_back_in_the_lobby_and_in_their_seats(folder: Expe
 
     progress = scenario(folder, play)
     assert [run.state for run in progress.runs.values()] == [RunState.COMPLETE] * 2
-    assert seat_events(folder) == []
+    assert seat_events(folder.entries()) == []
 
 
 @pytest.mark.slow
@@ -255,7 +255,7 @@ def test_the_others_go_on_if_a_person_leaves_the_game(folder: ExperimentFolder, 
 
     async def play(port: int, conductor: Conductor) -> None:
         # With the rule `end`, nothing else ends the game.
-        team.update(await seated(folder, port, (ENDS, WATCHES if rule == "end" else ENDS)))
+        team.update(await seated(folder, port, (WATCHES, WATCHES if rule == "end" else ENDS)))
         north, south = team.values()
         if stops:
             await north.stop()
@@ -264,7 +264,7 @@ def test_the_others_go_on_if_a_person_leaves_the_game(folder: ExperimentFolder, 
             await north.lose_connection()
             (game,) = conductor.progress.groups.values()
             await south.browser.until(lambda: conductor.progress.runs[game.people["north"]].state is RunState.LEFT)
-        await south.browser.until(lambda: len(seat_events(folder)) == len(LEAVING[rule]))
+        await south.browser.until(lambda: len(seat_events(conductor.entries)) == len(LEAVING[rule]))
         if rule == "empty":
             await sees_mate(south, present=False)
         if rule == "program":
@@ -277,7 +277,7 @@ def test_the_others_go_on_if_a_person_leaves_the_game(folder: ExperimentFolder, 
     progress = scenario(folder, play)
     north, south = team.values()
     game = only_game(folder, progress, south)
-    assert seat_events(folder) == LEAVING[rule]
+    assert seat_events(folder.entries()) == LEAVING[rule]
     assert game.seats["south"] is SeatHolder.PERSON
     assert progress.runs[game.people["north"]].state is RunState.LEFT
     assert north.ending == ("EARLY" if stops else "AWAY")
@@ -292,22 +292,22 @@ def test_an_absent_person_finds_the_seat_again(folder: ExperimentFolder) -> None
     change(folder, {"leaving: end": "leaving: program", "then: end": "then: wait"})
     team: dict[str, BrowserPerson] = {}
 
-    async def play(port: int, _: Conductor) -> None:
+    async def play(port: int, conductor: Conductor) -> None:
         team.update(await seated(folder, port))
         north, south = team.values()
         await south.lose_connection()
-        await north.browser.until(lambda: len(seat_events(folder)) == 2)
+        await north.browser.until(lambda: len(seat_events(conductor.entries)) == 2)
         await sees_mate(north, present=True)
         await south.reload()
         await plays(south)
         assert seat_of(south) == "south"
-        await south.browser.until(lambda: len(seat_events(folder)) == 3)
+        await south.browser.until(lambda: len(seat_events(conductor.entries)) == 3)
         await finish(team)
 
     progress = scenario(folder, play)
     game = only_game(folder, progress, *team.values())
     kinds = (EventKind.SEAT_LEFT, EventKind.SEAT_FILLED, EventKind.SEAT_RESUMED)
-    assert seat_events(folder) == [(kind, "south") for kind in kinds]
+    assert seat_events(folder.entries()) == [(kind, "south") for kind in kinds]
     assert {*game.seats.values()} == {SeatHolder.PERSON}
     assert game.incomplete
 
@@ -398,7 +398,7 @@ def test_a_killed_server_brings_all_people_back_to_their_game(folder: Experiment
     with ServedProgram(folder.root, "--games", "2") as server:
         asyncio.run(asyncio.wait_for(run(server), 280))
     only_game(folder, progress_of(folder), *team.values())
-    assert seat_events(folder) == []
+    assert seat_events(folder.entries()) == []
 
 
 @pytest.mark.slow
@@ -418,7 +418,7 @@ def test_a_server_that_is_killed_after_the_end_of_a_game_logs_it_once_for_each_p
         server.again()
         north.browser.port = south.browser.port = server.port
         await north.reload()
-        await north.browser.until(lambda: events(folder, EventKind.GAME_PLAYED))
+        await north.browser.until(lambda: events(folder.entries(), EventKind.GAME_PLAYED))
         os.kill(server.child, signal.SIGKILL)
         await asyncio.gather(north.reload(), south.reload())
         await finish(team)
