@@ -20,11 +20,16 @@ from ui.web.pool.running_games import RunningGames
 
 @asynccontextmanager
 async def served(
-    folder: Path, running: RunningGames | None = None, window: WindowOfKiosk | None = None, **changes: object
+    folder: Path,
+    running: RunningGames | None = None,
+    window: WindowOfKiosk | None = None,
+    told: list[str] | None = None,
+    **changes: object,
 ) -> AsyncIterator[tuple[int, Conductor]]:
     """Serve the study in a folder; yield the port and the conductor. Games outlive the server if `running` is given.
 
-    `window` is the window on this machine, if there is one. `changes` are changes of the gateway's options.
+    `window` is the window on this machine, if there is one. `told` receives sentences about problems; if None, there
+    must be none. `changes` are changes of the gateway's options.
     """
     place, clock = ExperimentFolder(folder), VisitClock()
     design = place.read()
@@ -35,7 +40,7 @@ async def served(
         listening, ready = socket.create_server(("127.0.0.1", 0)), asyncio.Event()
         options = ServerOptions(listening, 2, None, ready.set, running=running)
         options = replace(options, **changes)  # type: ignore[arg-type]
-        problems: list[str] = []
+        problems: list[str] = [] if told is None else told
         serving = asyncio.create_task(
             serve_study(place, design, conductor, clock, problems.append, options, codes, window)
         )
@@ -46,4 +51,4 @@ async def served(
             serving.cancel()
             with suppress(asyncio.CancelledError):
                 await serving
-        assert not problems
+        assert told is not None or not problems

@@ -8,7 +8,6 @@ from pathlib import Path
 from thbridge.app.compose.setting import texts_of
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import ExperimentDesign
-from thbridge.files.errors import BadFile
 from ui.hosting.kiosk.game_steps import StudyClock
 from ui.hosting.kiosk.host import KioskHost
 from ui.hosting.kiosk.pages import KioskPages, WindowOfKiosk
@@ -18,6 +17,11 @@ from ui.web.gateway.group_games import GroupGames
 from ui.web.gateway.players_window import PlayersWindow
 from ui.web.gateway.pooled_games import PooledGames
 from ui.web.pool.pool import WorkerPool
+
+_CLOSED = (
+    "The window of the study is closed. People in browsers go on. To open the window again, stop this command, and "
+    "start it again."
+)
 
 
 class KioskAtGateway(PlayersWindow):
@@ -96,7 +100,8 @@ class ServedKiosk:
     @asynccontextmanager
     async def opened(self) -> AsyncIterator[None]:
         """Lead people at the window through the study inside this context, or until `close` is called."""
-        self._hosting = asyncio.create_task(self._run())
+        self._hosting = asyncio.create_task(self._host.run())
+        self._hosting.add_done_callback(self._ended)
         try:
             yield
         finally:
@@ -113,13 +118,8 @@ class ServedKiosk:
         """Id of the participant at the window; empty if there is none, or if the window is closed."""
         return self.pages.person if self._hosting is not None and not self._hosting.done() else ""
 
-    async def _run(self) -> None:
-        try:
-            await self._host.run()
-        except BadFile as bad:
-            self._report(str(bad))
-            return
-        self._report(
-            "The window of the study is closed. People in browsers go on. To open the window again, stop this command, "
-            "and start it again."
-        )
+    def _ended(self, hosting: asyncio.Task[None]) -> None:
+        """Report that the window is closed while the server runs."""
+        if not hosting.cancelled():
+            error = hosting.exception()
+            self._report(_CLOSED if error is None else str(error))

@@ -11,7 +11,7 @@ from tests.support.programs.browser_client import BrowserClient
 from tests.support.programs.commands import refusal
 from tests.support.programs.processes import run_thbridge
 from tests.support.studies.joining_window import JoiningWindow
-from tests.support.studies.kiosk_without_screen import TEXTS, Person, headings
+from tests.support.studies.kiosk_without_screen import TEXTS, Person, ShownWindow, headings
 from tests.support.studies.served_study import served
 from tests.support.studies.study_events import data_of
 from tests.support.studies.team_at_browsers import go_on, playing
@@ -177,3 +177,21 @@ def test_a_person_at_the_window_and_people_in_browsers_play_one_game_that_surviv
     assert {str(each["bag"]) for each in data_of(tmp_path, EventKind.GAME_PLAYED)} == {str(bag.relative_to(tmp_path))}
     assert read_journal(journal_path(journal_of(bag), 1)).state.ended is not None
     assert run_thbridge(tmp_path, "replay", str(bag)).returncode == 0
+
+
+def test_the_researcher_reads_that_the_window_was_closed_and_browsers_go_on(folder: Path) -> None:
+    told: list[str] = []
+
+    async def run() -> None:
+        async with served(folder, window=ShownWindow(Person(), 0), told=told) as (port, _):
+            async with asyncio.timeout(60):
+                while not told:
+                    await asyncio.sleep(0.05)
+            browser = await BrowserClient.arrived(port)
+            await browser.press_button()
+            await browser.until(lambda: browser.shown["t"] == "consent")
+            await browser.close()
+
+    asyncio.run(asyncio.wait_for(run(), 120))
+    (sentence,) = told
+    assert sentence.startswith("The window of the study is closed.")
