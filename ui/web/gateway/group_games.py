@@ -124,13 +124,15 @@ class GroupGames:
         return self._runners.get(group_key(game)) or self._run(game, comes_back=True)
 
     async def pass_over(self, pages: KioskPages, step: PlannedStep) -> None:
-        """End the step of a person whose game has ended without them, and inform them.
+        """End the step of a person whose game has ended without them, or did not take place, and inform them.
 
         Raises:
             StepOver: always.
         """
+        game = self._conductor.progress.group_game(pages.person, step)
+        was_here = game is not None and pages.person in game.present
         self._conductor.end_wait(pages.person, step, WaitEnded(pages.person, 0.0, is_skipped=True))
-        await pages.read(TextToRead(0, *words.headed(pages.texts, "game_without_you")))
+        await pages.read(TextToRead(0, *words.headed(pages.texts, "group_left" if was_here else "game_without_you")))
         raise StepOver
 
     async def _await_group(self, pages: KioskPages, step: PlannedStep, is_here: Callable[[], bool]) -> None:

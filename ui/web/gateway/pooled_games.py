@@ -13,7 +13,7 @@ from thbridge.app.consent import ParticipantDeclined
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.progress import Run
-from thbridge.experiment.store.events import EventKind, JsonValue, RunState
+from thbridge.experiment.store.events import EventKind, JsonValue
 from thbridge.files.errors import BadFile
 from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.kiosk import words
@@ -32,6 +32,7 @@ from ui.web.pool.messages import (
     PersonActed,
     RecordingBrokenOff,
     RecordingCutOff,
+    SeatDeclined,
     SeatSeenOver,
     SeatWentOn,
     StillToDo,
@@ -102,7 +103,7 @@ class PooledGames:
         """See `StudyGames`. The runner of a group's game logs it, so its entry is not returned."""
         if self._groups.has(run, step):
             await self._play_together(step, watcher)
-            if self._pages.run.state is RunState.UNDER_WAY and self._pages.run.game is None:
+            if self._pages.run.game is None:
                 await self._groups.pass_over(self._pages, step)
             return None
         key = game_key(run, step)
@@ -114,14 +115,22 @@ class PooledGames:
         return cast("dict[str, JsonValue] | None", result)
 
     async def _play_together(self, step: PlannedStep, watcher: GameWatcher) -> JsonValue:
-        """Play the game of the person's group until it has ended, or the person's run; return the worker's result."""
-        pages = self._pages
+        """Play the game of the person's group to its end; return the worker's result.
+
+        Raises:
+            ParticipantDeclined: the person did not agree to the study's own consent text.
+            RunOver: the person's run has ended meanwhile.
+            StepOver: see `GroupGames.join`.
+        """
+        pages, declined = self._pages, False
         group = await self._groups.join(pages, step, lambda: self._window.is_connected)
         seat, has_died = group.seat_of(pages.person), False
 
         def seen(message: FromWorker) -> None:
+            nonlocal declined
             if isinstance(message, SeatSeenOver):
                 group.note_seen_over()
+            declined = declined or isinstance(message, SeatDeclined)
 
         # A game with a result has ended, even if the runner has not logged it yet.
         while not (group.is_over or self._pool.games.result(group.key)):
@@ -138,8 +147,9 @@ class PooledGames:
                 break
             except WorkerDied:
                 has_died = True  # The runner of the game counts the deaths.
-        if pages.run.state is not RunState.UNDER_WAY:
-            return None
+        if declined:
+            raise ParticipantDeclined(True)
+        pages.check()
         return await group.ended()
 
     async def _play(self, key: str, request: StudyGame, watcher: GameWatcher) -> JsonValue:
