@@ -34,7 +34,7 @@ def _folder_of(progress: Progress, event: NewEvent) -> str:
     return event.participant if seat is None else seat.group
 
 
-def told_leftovers(study: ExperimentFolder, progress: Progress, entries: Iterable[LogEntry]) -> Iterator[str]:
+def notes_on_leftovers(study: ExperimentFolder, progress: Progress, entries: Iterable[LogEntry]) -> Iterator[str]:
     """Yield a sentence about each incomplete recording of a person in the log.
 
     Args:

@@ -6,7 +6,7 @@ from pathlib import Path
 from tests.support.studies.experiment_files import write_experiment
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.recordings import moved_aside, told_leftovers
+from thbridge.experiment.recordings import moved_aside, notes_on_leftovers
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Clocks, EventKind
 
@@ -43,7 +43,9 @@ def test_leftovers_are_told_and_whole_recordings_are_not(tmp_path: Path) -> None
         begun.touch()
 
         def told() -> list[str]:
-            return [each.removeprefix("recordings/") for each in told_leftovers(folder, progress, read_log(folder.log))]
+            return [
+                each.removeprefix("recordings/") for each in notes_on_leftovers(folder, progress, read_log(folder.log))
+            ]
 
         cut, broken = told()
         assert cut.startswith(f"{first}/step-1-1.bag.active ends where")

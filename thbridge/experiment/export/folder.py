@@ -18,7 +18,7 @@ from thbridge.experiment.export.methods.text import methods_text
 from thbridge.experiment.export.psych_ds import dataset_description, file_name, sidecar
 from thbridge.experiment.export.tables import ExperimentRecords, game_tables, group_tables, log_tables, records_of
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.recordings import told_leftovers
+from thbridge.experiment.recordings import notes_on_leftovers
 from thbridge.experiment.store.events import LogEntry
 from thbridge.files.disk.synced import make_folder, sync_file, sync_folder
 from thbridge.files.disk.whole import PART, new_folder
@@ -153,7 +153,7 @@ def _write_export(
     title, entries = records.design.file.title, records.progress.sequence
     (folder / MANIFEST).write_text(manifest_text(title, records.progress.runs, entries), encoding="utf-8")
     written, tables = _write_tables(records, folder)
-    written.notes += told_leftovers(study, records.progress, records.events)
+    written.notes += notes_on_leftovers(study, records.progress, records.events)
     registered = _registered(study, changed)
     texts = {
         "dataset_description.json": dataset_description(title, tables, (_medium(records), registered, *written.notes)),

@@ -58,7 +58,7 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import deviations
     from thbridge.experiment.progress import Progress, lag_words
-    from thbridge.experiment.recordings import told_leftovers
+    from thbridge.experiment.recordings import notes_on_leftovers
     from thbridge.experiment.store.event_log import read_log
     from thbridge.experiment.store.events import RunState
     from ui.commands.study.unfinished import finish_begun_withdrawals
@@ -69,7 +69,7 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
         design = place.read()
         entries = read_log(place.log) if place.log.exists() else ()
         progress = Progress(design).after(entries)
-        left = list(told_leftovers(place, progress, entries))
+        left = list(notes_on_leftovers(place, progress, entries))
         changed = deviations(place, versions())
     runs = list(progress.runs.values())
     counts = {str(state): sum(run.state is state for run in runs) for state in RunState}

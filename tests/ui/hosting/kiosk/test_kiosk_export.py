@@ -10,7 +10,7 @@ from tests.support.studies.kiosk_without_screen import Laboratory, Person
 from thbridge.experiment.export.tables import game_tables, log_tables, records_of
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Progress
-from thbridge.experiment.recordings import told_leftovers
+from thbridge.experiment.recordings import notes_on_leftovers
 from ui.hosting.kiosk.games import StudyGames
 from ui.model.kiosk import FocusNews, FormToFill, ItemNews, WentOn
 
@@ -73,6 +73,6 @@ def test_consent_looking_away_and_pasting_are_in_the_tables_and_split_recordings
     assert [part.name for part in parts[:2]] == ["step-2_0.bag", "step-2_1.bag"]
     assert (trial["recording"], Path(trial["bag"]).name) == ("as recorded", "step-2.bag")
     assert not any(isinstance(piece, str) for piece in game_tables(records))
-    assert [*told_leftovers(folder, Progress(laboratory.design).after(entries), entries)] == []
+    assert [*notes_on_leftovers(folder, Progress(laboratory.design).after(entries), entries)] == []
     parts[1].unlink()
     assert str(records_of(laboratory.design, entries, folder.root).trials[0].recording) == "changed"

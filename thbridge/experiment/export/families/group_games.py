@@ -159,9 +159,9 @@ class RecordedGroup:
         """Return the game with its recording."""
         return replace(self, recording=recording, acts=acts_of(recording))
 
-    def told(self, name: str) -> str | None:
+    def logged(self, name: str) -> str | None:
         """Return a value of the log's data about the finished game as text, or None."""
-        value = None if self.trial is None else self.trial.told(name)
+        value = None if self.trial is None else self.trial.logged(name)
         return None if value is None else str(value)
 
     @property

@@ -113,11 +113,11 @@ def groups(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
     def holders(row: RecordedGroup, holder: SeatHolder) -> int:
         return [*row.game.began.values()].count(holder)
 
-    def told_number(row: RecordedGroup, name: str) -> float | None:
-        return None if (value := row.told(name)) is None else float(value)
+    def logged_number(row: RecordedGroup, name: str) -> float | None:
+        return None if (value := row.logged(name)) is None else float(value)
 
     def whole_number(row: RecordedGroup, name: str) -> int | None:
-        return None if (value := row.told(name)) is None else int(value)
+        return None if (value := row.logged(name)) is None else int(value)
 
     def in_game(row: _Game, value: int) -> int | None:
         return None if row.group.recording is None else value
@@ -150,7 +150,7 @@ def groups(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
                 "over",
                 "reason for the end of the game: all-visited, no-move-left or given-up; empty for the time limit, and "
                 "for games that ended because a person left",
-                lambda row: row.group.told("over"),
+                lambda row: row.group.logged("over"),
             ),
             count(
                 "rooms_visited",
@@ -165,13 +165,13 @@ def groups(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
             seconds(
                 "sim_seconds",
                 "simulated time from the start to the end of the game",
-                lambda row: told_number(row.group, "sim_seconds"),
+                lambda row: logged_number(row.group, "sim_seconds"),
             ),
             number(
                 "energy_left",
                 "",
                 "total remaining energy of all robots, game units",
-                lambda row: told_number(row.group, "energy_left"),
+                lambda row: logged_number(row.group, "energy_left"),
             ),
             count("texts", "number of texts between people", lambda row: in_game(row, row.group.acts.texts)),
             count(
@@ -190,7 +190,7 @@ def groups(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
                 "recording of the game, relative to the study's folder; empty if there is none",
                 lambda row: None if row.group.trial is None else row.group.trial.bag,
             ),
-            text("sha256", "SHA-256 of the recording, from the log", lambda row: row.group.told("sha256")),
+            text("sha256", "SHA-256 of the recording, from the log", lambda row: row.group.logged("sha256")),
             text(
                 "recording",
                 "state of the recording at this export, as in the table trials",

@@ -50,7 +50,7 @@ class _Person:
         read = (each.outcome is StepOutcome.DONE for each in self.attempts if each.step.entry.step is StepKind.DEBRIEF)
         return any(read)
 
-    def told_of_consent(self, name: str) -> str | None:
+    def logged_of_consent(self, name: str) -> str | None:
         """Return a value from the logged answer to the consent question, or None."""
         answer = None if self.consent is None or self.consent.consent is None else self.consent.consent.get(name)
         return None if answer is None else str(answer)
@@ -118,7 +118,7 @@ def participants(
             text(
                 "consent_sha256",
                 "SHA-256 of the consent text that the person answered; empty if it is not in the log",
-                lambda row: row.told_of_consent("version"),
+                lambda row: row.logged_of_consent("version"),
             ),
             count("attention_checks", "number of attention checks that the person saw", lambda row: len(row.attention)),
             count("attention_passed", "number of passed attention checks", lambda row: sum(row.attention)),

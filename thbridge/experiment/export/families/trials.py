@@ -56,8 +56,8 @@ class Trial:
     @property
     def bag(self) -> str | None:
         """Path of the recording relative to the study's folder, or None."""
-        told = self.told("bag")
-        return None if told is None else str(told)
+        logged = self.logged("bag")
+        return None if logged is None else str(logged)
 
     def wall(self, simulated: float) -> float | None:
         """Return the real time since the first tick, s, at a simulated time. None if it is not in the log."""
@@ -67,14 +67,14 @@ class Trial:
     @property
     def course(self) -> list[tuple[float, float]]:
         """Pairs of simulated and real time, s, in order. Empty if the log has no such times."""
-        told, course = self.told("course"), []
-        for pair in told if isinstance(told, list) else ():
+        logged, course = self.logged("course"), []
+        for pair in logged if isinstance(logged, list) else ():
             match pair:
                 case [int() | float() as simulated, int() | float() as wall]:
                     course.append((float(simulated), float(wall)))
         return course
 
-    def told(self, name: str) -> JsonValue:
+    def logged(self, name: str) -> JsonValue:
         """Return a value of the log's data about the game, or None."""
         return None if self.attempt.game is None else self.attempt.game.get(name)
 
@@ -106,20 +106,20 @@ def trials(design: ExperimentDesign, subjects: Sequence[Trial]) -> ExperimentTab
         index = row.attempt.step.condition
         return None if index is None else design.conditions[index].name or None
 
-    def told_number(row: Trial, name: str) -> float | None:
-        value = row.told(name)
+    def logged_number(row: Trial, name: str) -> float | None:
+        value = row.logged(name)
         return float(value) if isinstance(value, int | float) else None
 
-    def told_count(row: Trial, name: str) -> int | None:
-        value = row.told(name)
+    def logged_count(row: Trial, name: str) -> int | None:
+        value = row.logged(name)
         return value if isinstance(value, int) else None
 
-    def told_text(row: Trial, name: str) -> str | None:
-        value = row.told(name)
+    def logged_text(row: Trial, name: str) -> str | None:
+        value = row.logged(name)
         return None if value is None else str(value)
 
     def late_share(row: Trial) -> float | None:
-        late, wall = told_number(row, "late_seconds"), told_number(row, "wall_seconds")
+        late, wall = logged_number(row, "late_seconds"), logged_number(row, "wall_seconds")
         return None if late is None or not wall else min(late / wall, 1.0)
 
     table: TableOf[Trial] = TableOf(
@@ -134,31 +134,35 @@ def trials(design: ExperimentDesign, subjects: Sequence[Trial]) -> ExperimentTab
                 lambda row: design.cells[row.run.place.cell].name or None,
             ),
             whole("seed", "random seed of the game", lambda row: seed_of(design, row.attempt)),
-            whole("score", "points at the end", lambda row: told_count(row, "score")),
+            whole("score", "points at the end", lambda row: logged_count(row, "score")),
             text(
                 "over",
                 "reason for the end of the game: all-visited, no-move-left or given-up; empty for the time limit",
-                lambda row: told_text(row, "over"),
+                lambda row: logged_text(row, "over"),
             ),
-            count("rooms_visited", "number of rooms that robots reached", lambda row: told_count(row, "rooms_visited")),
             count(
-                "identified", "number of treasures named, rightly or wrongly", lambda row: told_count(row, "identified")
+                "rooms_visited", "number of rooms that robots reached", lambda row: logged_count(row, "rooms_visited")
+            ),
+            count(
+                "identified",
+                "number of treasures named, rightly or wrongly",
+                lambda row: logged_count(row, "identified"),
             ),
             seconds(
                 "sim_seconds",
                 "simulated time from the start to the end of the game",
-                lambda row: told_number(row, "sim_seconds"),
+                lambda row: logged_number(row, "sim_seconds"),
             ),
             seconds(
                 "wall_seconds",
                 "real time from the start to the end of the game, without the time between a crash and the resume; "
                 "empty for rehearsals and for games of earlier releases",
-                lambda row: told_number(row, "wall_seconds"),
+                lambda row: logged_number(row, "wall_seconds"),
             ),
             seconds(
                 "most_lag_s",
                 "largest lag of simulated time behind real time, on a slow machine; empty values as for wall_seconds",
-                lambda row: told_number(row, "most_lag_seconds"),
+                lambda row: logged_number(row, "most_lag_seconds"),
             ),
             share(
                 "late_share",
@@ -170,7 +174,7 @@ def trials(design: ExperimentDesign, subjects: Sequence[Trial]) -> ExperimentTab
                 "energy_left",
                 "",
                 "total remaining energy of all robots, game units",
-                lambda row: told_number(row, "energy_left"),
+                lambda row: logged_number(row, "energy_left"),
             ),
             time("began", "date and time of the start, UTC", lambda row: row.attempt.began),
             seconds(
@@ -200,7 +204,7 @@ def trials(design: ExperimentDesign, subjects: Sequence[Trial]) -> ExperimentTab
             text(
                 "sha256",
                 "SHA-256 of the recording, from the log; for a split recording, of all its files in order",
-                lambda row: told_text(row, "sha256"),
+                lambda row: logged_text(row, "sha256"),
             ),
             text(
                 "recording",

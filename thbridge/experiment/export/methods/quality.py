@@ -53,7 +53,7 @@ def _pace(records: ExperimentRecords, games: list[Trial]) -> Iterator[str]:
     if not games:
         return
     bound = records.design.file.most_lag
-    lags = [float(lag) for trial in games if isinstance(lag := trial.told("most_lag_seconds"), int | float)]
+    lags = [float(lag) for trial in games if isinstance(lag := trial.logged("most_lag_seconds"), int | float)]
     if records.is_rehearsal:
         yield "A rehearsal does not run in real time."
     elif lags:
@@ -73,7 +73,7 @@ def _pace(records: ExperimentRecords, games: list[Trial]) -> Iterator[str]:
 
 def _lengths(games: list[Trial]) -> Iterator[tuple[object, ...]]:
     for name, key in (("game, simulated time", "sim_seconds"), ("game, real time", "wall_seconds")):
-        known = [float(value) for trial in games if isinstance(value := trial.told(key), int | float)]
+        known = [float(value) for trial in games if isinstance(value := trial.logged(key), int | float)]
         if known:
             yield (name, *spread(known))
 
