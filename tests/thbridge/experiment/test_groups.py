@@ -4,6 +4,7 @@ import itertools
 import random
 from collections.abc import Iterator
 from contextlib import ExitStack
+from datetime import datetime
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,7 @@ from thbridge.experiment.store.events import EventKind, LoggedEvent, RunState
 from thbridge.experiment.waiting_room import WaitingRoom
 from thbridge.experiment.withdrawal import plan_withdrawal, withdraw
 from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.yaml.load import load
 
 
 class Study:
@@ -197,6 +199,18 @@ def test_a_rehearsal_with_drop_outs_and_crashes_fills_the_quota_with_whole_group
         games = [progress.groups[seat.group, step] for step, seat in run.seats.items()]
         assert len(games) == 2 and len({game.group for game in games}) == 1
         assert not any(game.incomplete for game in games)
+
+
+def test_people_arrive_in_the_rehearsed_intervals(tmp_path: Path) -> None:
+    file = tmp_path / "rehearsal.yaml"
+    file.write_text("plays: false\ndrop_out: 0\narrivals: 7\n", encoding="utf-8")
+    folder = rehearsed(tmp_path, PAIRS, load(file, SimulatedPeople).value)
+    begun = [
+        datetime.fromisoformat(each.event.clocks.wall)
+        for each in read_log(folder.log)
+        if isinstance(each, LoggedEvent) and each.event.kind == EventKind.RUN_BEGUN
+    ]
+    assert [(later - former).total_seconds() for former, later in itertools.pairwise(begun)] == [7.0] * (len(begun) - 1)
 
 
 def test_equal_rehearsals_of_groups_have_equal_logs(tmp_path: Path) -> None:

@@ -40,7 +40,7 @@ class GroupRehearsal:
     Args:
         design: the experiment.
         clock: clock of the rehearsal.
-        between: time between the arrivals of two people, s.
+        arrivals: time between the arrivals of two people, s.
         course_of: function that returns the course of a person.
         play: function that plays a game of several people.
         leaves: function that returns the time at which a person leaves a game of a step, s, or None.
@@ -50,14 +50,14 @@ class GroupRehearsal:
         self,
         design: ExperimentDesign,
         clock: RehearsalClock,
-        between: float,
+        arrivals: float,
         course_of: Callable[[Conductor, "GroupRehearsal", Run], Course],
         play: GamePlayer,
         leaves: Callable[[PlannedStep], float | None],
     ) -> None:
         self._design = design
         self._clock = clock
-        self._between = between
+        self._arrivals = arrivals
         self._course_of = course_of
         self._play = play
         self._leaves = leaves
@@ -87,7 +87,7 @@ class GroupRehearsal:
                     self._schedule(0.0, admitted.participant, self._course_of(conductor, self, admitted))
                 elif not self._due and not self._waiting:
                     return admitted
-                arrival += self._between
+                arrival += self._arrivals
             for person in self._room.update(self._clock.seconds).ended:
                 self._wake(person)
             self._start_games(conductor)

@@ -53,7 +53,7 @@ class SimulatedPeople:
     answering: float = param(4.0, "median time for answering an item", "s", 0.1, 600)
     hesitation: float = param(0.6, "spread of the answering time: standard deviation of its logarithm", "", 0, 3)
     crashes: float = param(0.0, "probability that the program crashes after an event and is restarted", "", 0, 0.5)
-    between: float = param(
+    arrivals: float = param(
         20.0, "in a study with games of several people: time between the arrivals of two people", "s", 0.1, 86400
     )
     plays: bool = param(default=True, help="play and record games; if false, trials end at once")

@@ -122,7 +122,7 @@ class Rehearsal:
     def _run_together(self, conductor: Conductor, tell: Tell) -> NoPlace:
         """Let people take part in games of several people; see `run`."""
         together = GroupRehearsal(
-            self._design, self._clock, self._people.between, self._course, self._play_together, self._leaves
+            self._design, self._clock, self._people.arrivals, self._course, self._play_together, self._leaves
         )
         return together.run(conductor, lambda: self._report(conductor, tell))
 
