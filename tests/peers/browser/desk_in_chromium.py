@@ -12,6 +12,15 @@ from driven_chromium import DrivenChromium
 REASON = "asked <svg onload='pwned = 1'> a friend"
 MESSAGE = '<img src=x onerror="window.pwned = 1">Please continue.'
 
+LINES_OF_CODES = r"""
+  return [...document.querySelectorAll("td")].filter((cell) => /^P-\S+$/.test(cell.textContent)).map((cell) => {
+    cell.style.cssText = "display: block; width: 2rem; min-width: 0";
+    const words = document.createRange();
+    words.selectNodeContents(cell);
+    return words.getClientRects().length;
+  });
+"""
+
 
 class Visitor(DrivenChromium):
     """Browser of one person, who comes to the gateway at a port."""
@@ -62,6 +71,7 @@ def main(port, key, folder):
         person.press_first("#message button")
         seen["closed"] = not person.text("#message")
         desk.until(lambda: "Read" in desk.text("#tables section:last-child tbody"))
+        seen["lines of codes"] = desk.run(LINES_OF_CODES)
         desk.press_first(f"tr[data-key='{rows[0]}'] button[aria-label^='Exclude']")
         desk.shown("dialog textarea")[0].send_keys(REASON)
         desk.press_first("dialog .main")

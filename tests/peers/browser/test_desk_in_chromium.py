@@ -57,6 +57,7 @@ def test_the_researcher_messages_one_person_and_excludes_the_other(tmp_path: Pat
         "cookie": "",
         "message": '<img src=x onerror="window.pwned = 1">Please continue.',
         "still reads": True,
+        "lines of codes": [1],
         "closed": True,
         "foreign": [0, 0],
         "pwned": [None, None],

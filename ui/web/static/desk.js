@@ -94,7 +94,8 @@ function showRow(made, row, columns) {
   set(made, { "data-mark": row.mark || null });
   const cells = columns.map((column, index) => ({ column, text: row.cells[index] ?? null }));
   list(made, cells, ({ column }) => column, ({ column }) => (column === columns[0] ? element("th", { scope: "row", role: "rowheader" }) : element("td", { role: "cell" })), (cell, { column, text }, index) => {
-    set(cell, { "data-column": index ? column : null });
+    // Codes such as P-7K3FQ do not break at their hyphen.
+    set(cell, { "data-column": index ? column : null, "data-code": /^\S{1,12}$/.test(text ?? "") ? "" : null });
     if (text !== null) set(cell, { text });
     else showLast(cell, row);
   });
