@@ -19,7 +19,7 @@ from websockets.exceptions import ConnectionClosed
 from tests.support.programs.bad_cable import HERE, BadCable, bad_cable
 from tests.support.programs.browser_client import BrowserClient
 from tests.support.programs.processes import Program, until
-from tests.support.project import ROOT
+from tests.support.programs.selenium_scripts import NEEDS_SELENIUM, SELENIUM
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.events import EventKind
 
@@ -32,7 +32,6 @@ steps:
   - {step: trial, name: game, max_seconds: 2000}
 """
 ACTS = 6
-SELENIUM = ROOT / ".peers" / "selenium" / "bin" / "python"
 
 pytestmark = pytest.mark.slow
 
@@ -214,10 +213,7 @@ class FarChromium:
             self._process.communicate("quit\n", 60)
 
 
-@pytest.mark.skipif(
-    not (SELENIUM.exists() and Path("/usr/bin/chromium").exists() and Path("/usr/bin/chromedriver").exists()),
-    reason="Chromium or selenium is not installed (make peers, as root)",
-)
+@NEEDS_SELENIUM
 def test_chromium_is_back_after_a_minute_without_a_network_and_with_another_address(study: FarStudy) -> None:
     chromium = FarChromium(study)
     try:

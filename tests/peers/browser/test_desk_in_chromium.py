@@ -1,17 +1,12 @@
 """A researcher in Debian's Chromium sees two people, messages one of them and excludes the other."""
 
-import json
-import subprocess
 from pathlib import Path
 
-import pytest
-
 from tests.support.programs.processes import Program, until
-from tests.support.project import ROOT
+from tests.support.programs.selenium_scripts import NEEDS_SELENIUM, seen_in_chromium
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.events import EventKind, LoggedEvent
 
-SELENIUM = ROOT / ".peers" / "selenium" / "bin" / "python"
 STUDY = """\
 title: "<script>window.pwned = 1</script> at the desk"
 base: {map: practice, templates: practice, robots: 1, server.port: 0}
@@ -21,10 +16,7 @@ steps:
   - {step: instructions, text: welcome.md, name: welcome}
 """
 
-pytestmark = pytest.mark.skipif(
-    not (SELENIUM.exists() and Path("/usr/bin/chromium").exists() and Path("/usr/bin/chromedriver").exists()),
-    reason="Chromium or selenium is not installed (make peers, as root)",
-)
+pytestmark = NEEDS_SELENIUM
 
 
 def test_the_researcher_messages_one_person_and_excludes_the_other(tmp_path: Path) -> None:
@@ -39,12 +31,8 @@ def test_the_researcher_messages_one_person_and_excludes_the_other(tmp_path: Pat
         until("the gateway", lambda: "/desk#" in server.text or server.process.poll() is not None, [server])
         port = server.text.split("127.0.0.1:")[1].split("/")[0]
         key = server.text.split("/desk#")[1].split()[0]
-        script = Path(__file__).with_name("desk_in_chromium.py")
-        visited = subprocess.run(
-            [SELENIUM, script, port, key, tmp_path], capture_output=True, text=True, timeout=280, check=False
-        )
-        assert visited.returncode == 0, (visited.stderr, server.text)
-        result = json.loads(visited.stdout.splitlines()[-1])
+        program = Path(__file__).with_name("desk_in_chromium.py")
+        result = seen_in_chromium(program, port, key, tmp_path)
     finally:
         server.stop()
         server.close()

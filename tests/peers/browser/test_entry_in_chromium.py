@@ -1,19 +1,14 @@
 """A person in Debian's Chromium comes to a study by a link, opens a second tab, and goes back to the service."""
 
-import json
 import secrets
-import subprocess
 from pathlib import Path
 
-import pytest
-
 from tests.support.programs.processes import Program, until
-from tests.support.project import ROOT
+from tests.support.programs.selenium_scripts import NEEDS_SELENIUM, seen_in_chromium
 from tests.support.studies.study_events import data_of
 from thbridge.experiment.design.recruiting import add_codes
 from thbridge.experiment.store.events import EventKind
 
-SELENIUM = ROOT / ".peers" / "selenium" / "bin" / "python"
 STUDY = """\
 title: In Chromium
 base: {map: practice, templates: practice, robots: 1, server.port: 0}
@@ -23,10 +18,7 @@ steps:
   - {step: instructions, text: welcome.txt, name: welcome}
 """
 
-pytestmark = pytest.mark.skipif(
-    not (SELENIUM.exists() and Path("/usr/bin/chromium").exists() and Path("/usr/bin/chromedriver").exists()),
-    reason="Chromium or selenium is not installed (make peers, as root)",
-)
+pytestmark = NEEDS_SELENIUM
 
 
 def test_a_person_comes_by_a_link_and_leaves_by_another(tmp_path: Path) -> None:
@@ -39,12 +31,8 @@ def test_a_person_comes_by_a_link_and_leaves_by_another(tmp_path: Path) -> None:
     try:
         until("the gateway", lambda: "Open http" in server.text or server.process.poll() is not None, [server])
         port = server.text.split("127.0.0.1:")[1].split("/")[0]
-        script = Path(__file__).with_name("entry_in_chromium.py")
-        visited = subprocess.run(
-            [SELENIUM, script, port, code], capture_output=True, text=True, timeout=280, check=False
-        )
-        assert visited.returncode == 0, (visited.stderr, server.text)
-        result = json.loads(visited.stdout.splitlines()[-1])
+        program = Path(__file__).with_name("entry_in_chromium.py")
+        result = seen_in_chromium(program, port, code)
     finally:
         server.stop()
         server.close()

@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 
 from tests.support.programs.browser_client import BrowserClient
+from tests.support.programs.selenium_scripts import NEEDS_SELENIUM, seen_in_chromium
 from tests.support.project import ROOT
 from tests.support.studies.served_program import ServedProgram, begun, write_study
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.events import EventKind
 
-SELENIUM = ROOT / ".peers" / "selenium" / "bin" / "python"
 KILLS = 20
 
 pytestmark = pytest.mark.slow
@@ -69,21 +69,10 @@ def test_a_program_that_is_killed_is_back_where_it_was(server: ServedProgram) ->
     print(f"back after at most {max(seconds[1:]):.1f} s")
 
 
-@pytest.mark.skipif(
-    not (SELENIUM.exists() and Path("/usr/bin/chromium").exists() and Path("/usr/bin/chromedriver").exists()),
-    reason="Chromium or selenium is not installed (make peers, as root)",
-)
+@NEEDS_SELENIUM
 def test_chromium_that_is_killed_is_back_where_it_was(server: ServedProgram, tmp_path: Path) -> None:
-    script = Path(__file__).with_name("killed_chromium.py")
-    played = subprocess.run(
-        [SELENIUM, script, str(server.port), str(KILLS), tmp_path / "profile"],
-        capture_output=True,
-        text=True,
-        timeout=580,
-        check=False,
-    )
-    assert played.returncode == 0, played.stderr
-    result = json.loads(played.stdout.splitlines()[-1])
+    program = Path(__file__).with_name("killed_chromium.py")
+    result = seen_in_chromium(program, server.port, KILLS, tmp_path / "profile", timeout=580)
     assert not result["lost"]
     assert len(result["seconds"]) == KILLS
     assert len(server.workers) == 1

@@ -1,14 +1,12 @@
 """The player's page, opened from disk in Debian's Chromium, shows what the recording has; axe-core judges it."""
 
-import json
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tests.support.hunts.recorded_hunts import record_beginning
-from tests.support.project import ROOT
+from tests.support.programs.selenium_scripts import NEEDS_SELENIUM, seen_in_chromium
 from thbridge.analysis.report.builder import read_report
 from thbridge.analysis.report.report import Report
 from thbridge.files.ros.definitions import Definitions
@@ -20,12 +18,7 @@ from thbridge.ros.names import UTTERANCES
 from thbridge.ros.publisher import RosMessage, Topic
 from ui.web.player.page import build_player
 
-SELENIUM = ROOT / ".peers" / "selenium" / "bin" / "python"
-
-pytestmark = pytest.mark.skipif(
-    not (SELENIUM.exists() and Path("/usr/bin/chromium").exists() and Path("/usr/bin/chromedriver").exists()),
-    reason="Chromium or selenium is not installed (make peers, as root)",
-)
+pytestmark = NEEDS_SELENIUM
 
 
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(2)>"
@@ -64,16 +57,8 @@ def test_a_person_looks_at_a_recording(
 ) -> None:
     page = tmp_path / "hunt-player.html"
     page.write_text(build_player(bag), encoding="utf-8")
-    script = Path(__file__).with_name("player_in_chromium.py")
-    looked = subprocess.run(
-        [SELENIUM, script, page, how, str(width), str(height), scheme, tmp_path],
-        capture_output=True,
-        text=True,
-        timeout=200,
-        check=False,
-    )
-    assert looked.returncode == 0, looked.stderr
-    result = json.loads(looked.stdout.splitlines()[-1])
+    program = Path(__file__).with_name("player_in_chromium.py")
+    result = seen_in_chromium(program, page, how, width, height, scheme, tmp_path, timeout=200)
     assert result["errors"] == []
     assert result["faults"] == []
     steps = result["steps"]

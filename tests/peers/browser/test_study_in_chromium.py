@@ -2,19 +2,17 @@
 
 import csv
 import json
-import subprocess
 from pathlib import Path
 
 import pytest
 
 from tests.support.programs.processes import Program, run_thbridge, until
-from tests.support.project import ROOT
+from tests.support.programs.selenium_scripts import NEEDS_SELENIUM, seen_in_chromium
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.events import EventKind, LoggedEvent, RunState
 from thbridge.recording.journal import journal_path, read_journal
 from thbridge.recording.recordings import journal_of
 
-SELENIUM = ROOT / ".peers" / "selenium" / "bin" / "python"
 STUDY = """\
 title: A whole study
 seed: 3
@@ -89,10 +87,7 @@ LOSSES = {EventKind.GAME_BROKEN_OFF, EventKind.RECORDING_CUT_OFF, EventKind.ABSE
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.skipif(
-        not (SELENIUM.exists() and Path("/usr/bin/chromium").exists() and Path("/usr/bin/chromedriver").exists()),
-        reason="Chromium or selenium is not installed (make peers, as root)",
-    ),
+    NEEDS_SELENIUM,
 ]
 
 
@@ -109,11 +104,8 @@ def test_a_person_takes_part_in_a_whole_study(how: str, width: int, height: int,
     try:
         until("the gateway", lambda: "Open http" in server.text or server.process.poll() is not None, [server])
         port = server.text.split("127.0.0.1:")[1].split("/")[0]
-        script = Path(__file__).with_name("study_in_chromium.py")
-        command = [SELENIUM, script, port, how, str(width), str(height), json.dumps(PAGES), tmp_path]
-        taken = subprocess.run(command, capture_output=True, text=True, timeout=280, check=False)
-        assert taken.returncode == 0, (taken.stderr, server.text)
-        result = json.loads(taken.stdout.splitlines()[-1])
+        program = Path(__file__).with_name("study_in_chromium.py")
+        result = seen_in_chromium(program, port, how, width, height, json.dumps(PAGES), tmp_path)
     finally:
         server.stop()
         server.close()
