@@ -69,12 +69,33 @@ class PortrayedArgument:
     Attributes:
         support: beliefs on which the argument rests.
         conclusion: the conclusion.
-        sides: the sides that hold the complete support, "robot" or "human", as far as the robot knows.
+        sides: the sides that hold the complete support, "robot" or "human", as far as the robot knows; for an objection
+            and a decision in spite of it, the name of the seat.
     """
 
     support: tuple[str, ...]
     conclusion: str
     sides: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectionsToClaim:
+    """Objections of seats that only read along, as arguments against the claim of a dialogue.
+
+    An objection rebuts each argument for the claim, and these arguments rebut the objection. The decision of the seat
+    that talks with the robot is an argument for the claim. It is preferred to objections, so their attacks on it fail,
+    and it defends the other arguments for the claim against them (preferences between arguments: Amgoud and Cayrol
+    2002, A reasoning model based on the production of acceptable arguments, Annals of Mathematics and AI 34).
+
+    Attributes:
+        claim: the claim of the dialogue.
+        raised: seat and premise of each objection, oldest first.
+        decided: seat and premise of the decision for the claim; None if there is no such decision.
+    """
+
+    claim: Literal
+    raised: tuple[tuple[str, Literal], ...]
+    decided: tuple[str, Literal] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,12 +186,19 @@ def read_portrait(text: str) -> DialoguePortrait:
     return portrait
 
 
-def portray(conversation: Conversation) -> DialoguePortrait:
-    """Return the portrait of a conversation."""
+def portray(conversation: Conversation, objections: ObjectionsToClaim | None = None) -> DialoguePortrait:
+    """Return the portrait of a conversation, with the objections of other seats, if there are any."""
     robot, person = conversation.agents[Side.ROBOT], conversation.agents[Side.HUMAN]
     beliefs, picture = _put_forward(robot, person), robot.picture
-    arguments = tuple(islice(_arguments(conversation, beliefs), MOST_ARGUMENTS))
-    framework = framework_of(arguments, beliefs.prefers)
+    others = {} if objections is None else _of_others(objections)
+    arguments = (*islice(_arguments(conversation, beliefs), MOST_ARGUMENTS - len(others)), *others)
+    claim = None if objections is None else objections.claim
+
+    def prefers(one: Argument, other: Argument) -> bool:
+        against = [each for each in (one, other) if each in others and each.conclusion != claim]
+        return one in others and one not in against if against else beliefs.prefers(one, other)
+
+    framework = framework_of(arguments, prefers)
     standing = grounded(framework)
     return DialoguePortrait(
         games=tuple(
@@ -191,13 +219,24 @@ def portray(conversation: Conversation) -> DialoguePortrait:
         human_store=tuple(map(str, person.store[-MOST_KEPT:])),
         arguments=tuple(
             PortrayedArgument(
-                tuple(sorted(map(str, argument.support))), str(argument.conclusion), tuple(_sides(argument, robot))
+                tuple(sorted(map(str, argument.support))),
+                str(argument.conclusion),
+                (others[argument],) if argument in others else tuple(_sides(argument, robot)),
             )
             for argument in arguments
         ),
         attacks=tuple(sorted((framework.index[one], framework.index[other]) for one, other in framework.attacks)),
         grounded=tuple(sorted(framework.index[name] for name in standing)),
     )
+
+
+def _of_others(objections: ObjectionsToClaim) -> dict[Argument, str]:
+    """Return the arguments from objections, and from the decision in spite of them, each with its seat."""
+    found = {Argument(frozenset([premise]), ~objections.claim): seat for seat, premise in objections.raised}
+    if objections.decided is not None:
+        seat, premise = objections.decided
+        found[Argument(frozenset([premise]), objections.claim)] = seat
+    return found
 
 
 def _put_forward(robot: Agent, person: Agent) -> Beliefs:

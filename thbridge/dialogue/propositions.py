@@ -450,3 +450,20 @@ class NamingCost(HuntProposition):
 
     predicate: ClassVar[str] = "naming_cost"
     energy: float
+
+
+@dataclass(frozen=True, slots=True)
+class Objected(HuntProposition):
+    """The participant of a seat that reads along objects to the proposal of a dialogue, for this reason."""
+
+    predicate: ClassVar[str] = "objected"
+    seat: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Decided(HuntProposition):
+    """The participant of a seat has decided for the proposal of a dialogue, in spite of objections."""
+
+    predicate: ClassVar[str] = "decided"
+    seat: str

@@ -48,9 +48,10 @@ def entry_in_words(entry: TeamEntry, rooms: RoomNames) -> str:
             return f"{'agrees' if agrees else 'does not agree'} to decision {number}{because}"
         case DecisionSettled(number, outcome):
             return f"vote on decision {number}: {outcome}"
-        case ObjectionRaised(dialogue=number, reason=reason, text=text):
+        case ObjectionRaised(dialogue=number, robot=robot, room=room, reason=reason, text=text):
+            about = f"with {robot_name(robot)} about {rooms.titled(room.people)}"
             because = f": {text}" if text else ""
-            return f"objects in dialogue {number}: {reason.replace('-', ' ')}{because}"
+            return f"objects in dialogue {number} {about}: {reason.replace('-', ' ')}{because}"
 
 
 def proposal_in_words(entry: DecisionProposed, rooms: RoomNames) -> str:

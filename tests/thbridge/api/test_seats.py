@@ -89,6 +89,22 @@ def test_simulated_participants_play_the_other_seats() -> None:
             session.seat("driver").send(1, 3)
 
 
+def test_a_sceptical_simulated_participant_objects_and_the_others_decide() -> None:
+    critic = {"name": "critic", "takes_over": False, "names_treasures": False, "objects": True, "attitude": "sceptical"}
+    study = api.HuntStudy(robots=2, seed=3, dialogue={"condition": "collaborator"}, seats=[
+        {"name": "driver", "robots": [1, 2]}, critic,
+    ])  # fmt: skip
+    with api.HuntSession(study, seats=["driver"]) as session:
+        driver = session.seat("driver")
+        until(session, lambda: bool(driver.view and driver.view.ready and session.ready))
+        for room in (3, 4, 5, 6, 7, 8) * 3:
+            driver.select(1, room)
+            session.run(0.2)
+        raised = [event for event in session.events if event.kind == "objected"]
+        assert raised and {event.data["seat"] for event in raised} == {"critic"}
+        assert not any(event.kind == "departed" for event in session.events)
+
+
 @pytest.mark.parametrize(
     ("study", "seats", "said"),
     [

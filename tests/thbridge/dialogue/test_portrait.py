@@ -1,6 +1,7 @@
 """Portraits of conversations: what researchers see of a robot's mind."""
 
 import json
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -9,11 +10,19 @@ from hypothesis import strategies as st
 from tests.support.dialogue.argued_topics import FACTS, answered, formal_engine, manners, topics
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import Manner
 from thbridge.dialogue.engine import DialogueStep
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import DialogueTopic, Scenario
-from thbridge.dialogue.portrait import MOST_ARGUMENTS, DialoguePortrait, portray, read_portrait
+from thbridge.dialogue.portrait import (
+    MOST_ARGUMENTS,
+    DialoguePortrait,
+    ObjectionsToClaim,
+    portray,
+    read_portrait,
+)
+from thbridge.dialogue.propositions import Decided, NextRoom, Objected
 from thbridge.dialogue.rule_examples import BROWN_BOTTLE, rules_as_topics
 from thbridge.files.game_files import read_rulebook
 from thbridge.hunt.rooms import Room
@@ -107,3 +116,26 @@ def test_a_wish_is_an_argument_of_the_person_that_does_not_stand_against_a_bette
 def test_other_texts_are_no_portraits(text: str) -> None:
     with pytest.raises(ValueError, match="no portrait of a conversation"):
         read_portrait(text)
+
+
+def test_an_objection_attacks_the_claim_until_the_decision_defends_it() -> None:
+    talker = formal_engine(Manner())
+    step = talker.open(1, DialogueTopic(Scenario.SPECIFIC_ROOM, 0, Room(1), 50.0, 500.0, facts=FACTS))
+    conversation, claim = conversation_of(step), Literal(NextRoom(0, Room(2)))
+    premise = Literal(Objected("namer", "too_far"))
+
+    def standing(objections: ObjectionsToClaim | None) -> dict[str, bool]:
+        portrait = portray(conversation, objections)
+        assert read_portrait(portrait.json()) == portrait
+        names = ["; ".join(each.support) + ": " + each.conclusion for each in portrait.arguments]
+        return {name: at in portrait.grounded for at, name in enumerate(names)}
+
+    raised = ObjectionsToClaim(claim, (("namer", premise),))
+    alone, objected = standing(None), standing(raised)
+    decided = standing(replace(raised, decided=("driver", Literal(Decided("driver")))))
+    own = [name for name in alone if name.endswith(f": {claim}")]
+    assert own and all(alone[name] for name in own)
+    objection = f"objected(namer, too_far): not {claim}"
+    assert objected[objection] is False and not any(objected[name] for name in own)
+    assert decided[objection] is False and all(decided[name] for name in own)
+    assert decided[f"decided(driver): {claim}"]

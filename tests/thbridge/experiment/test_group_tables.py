@@ -8,9 +8,15 @@ import pytest
 from tests.support.studies.group_studies import group_study, rehearsed
 from tests.thbridge.experiment.psych_ds_rules import problems
 from thbridge.experiment.design.soundness import GROUP_COLUMNS, TAKEN_COLUMNS
-from thbridge.experiment.export.families.game_recording import GameRecording, TimedTeamEntry
+from thbridge.experiment.export.families.game_recording import (
+    GameRecording,
+    Happening,
+    TimedTeamEntry,
+    TimedUtterance,
+    read_game,
+)
 from thbridge.experiment.export.families.group_games import RecordedGroup, acts_of
-from thbridge.experiment.export.families.group_tables import joint_decisions, seats, texts, votes
+from thbridge.experiment.export.families.group_tables import joint_decisions, objections, seats, texts, votes
 from thbridge.experiment.export.folder import export_experiment
 from thbridge.experiment.export.tables import ExperimentRecords, group_tables, records_of
 from thbridge.experiment.folder import ExperimentFolder
@@ -20,12 +26,16 @@ from thbridge.hunt.events import (
     DecisionOutcome,
     DecisionProposed,
     DecisionSettled,
+    ObjectionRaised,
+    ObjectionReason,
     PersonRead,
     PersonSaid,
+    RobotDeparted,
     TeamEntry,
     VoteCast,
 )
 from thbridge.hunt.rooms import Room
+from thbridge.ros.messages.session_records import UtteranceRecord
 
 SEATS = "[{name: driver, robots: [1, 2], names_treasures: false}, {name: namer, takes_over: false}]"
 BASE = (
@@ -145,6 +155,35 @@ def test_votes_have_proposer_voters_reasons_and_seconds(records: ExperimentRecor
         "too far",
         4.0,
     )
+
+
+def test_an_objection_has_its_reason_and_whether_it_was_followed(
+    records: ExperimentRecords, played: ExperimentFolder
+) -> None:
+    """A recorded game of these seats, with an objection in the dialogue before the first move and in a later one."""
+    group = next(each for each in records.groups if each.trial is not None)
+    recording = read_game(played.bag_named(group.trial.bag))
+    first = next(each for each in recording.events if isinstance(each.event, RobotDeparted))
+    robot, room, seat = first.event.robot, first.event.room, first.event.seat
+
+    def objection(number: int, about: Room, at: float) -> list[Happening | TimedTeamEntry]:
+        said = UtteranceRecord(
+            dialogue=number, speaker="human", robot=robot, room=about.people, scenario="select-room", text="Yes",
+            author=f"person {seat}", move="accept",
+        )  # fmt: skip
+        raised = ObjectionRaised(number, "namer", robot, about, ObjectionReason.TOO_FAR, "far", 1, at)
+        return [TimedUtterance(at - 0.02, said), TimedTeamEntry(at, raised)]
+
+    added = [*objection(101, Room(room.people % 8 + 1), first.time - 0.2), *objection(102, room, first.time - 0.1)]
+    recording.happenings += [each for each in added if isinstance(each, TimedUtterance)]
+    recording.team += [each for each in added if isinstance(each, TimedTeamEntry)]
+    game = replace(group, changes={}).recorded(recording)
+    followed, ignored = objections(records.design, game).rows
+    assert [each["followed"] for each in (followed, ignored)] == [True, False]
+    assert (ignored["talk"], ignored["objector"], ignored["decided_by"]) == (102, "namer", seat)
+    assert (ignored["reason"], ignored["text"], ignored["matter"]) == ("too-far", "far", "select-room")
+    (row,) = [each for each in seats(records.design, game).rows if each["seat"] == "namer"]
+    assert (row["objections"], row["objections_followed"]) == (2, 1)
 
 
 def test_turns_are_series_of_acts_of_one_seat(records: ExperimentRecords, group: RecordedGroup) -> None:

@@ -1,7 +1,7 @@
 """Recorders of a session, for the bag and for the telemetry log."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Protocol
 
 import numpy as np
@@ -10,13 +10,13 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.numerics import elementary_arrays
 from sim.numerics.float_array import FloatArray
 from sim.team import TeamSnapshot
+from thbridge.app.session.dialogue_states import DialogueStates
 from thbridge.app.session.input_records import to_record
 from thbridge.app.session.inputs import ClientRequest
 from thbridge.app.session.mavros import frame_record, state_record
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue import moves
 from thbridge.dialogue.games.tables import DialogueEnd
-from thbridge.dialogue.portrait import portray
 from thbridge.hunt import events
 from thbridge.hunt.codec import kind_of, to_json
 from thbridge.hunt.game import GameState
@@ -32,7 +32,6 @@ from thbridge.roles.shared.view import View
 from thbridge.ros.messages.records import GraphRequest, Record, SendRobots, Success
 from thbridge.ros.messages.session_records import (
     DialogueMoveRecord,
-    DialogueStateRecord,
     GameEvent,
     HeldTurns,
     ScoreRecord,
@@ -74,7 +73,7 @@ class BagRecorder:
     def __init__(self, publisher: TickPublisher) -> None:
         self._publisher = publisher
         self._score: ScoreRecord | None = None
-        self._portraits: dict[int, DialogueStateRecord] = {}
+        self._dialogues = DialogueStates()
         self._wizard = WizardState()
         self._collisions: tuple[int, ...] = ()
         self._things: tuple[str, ...] = ()
@@ -104,7 +103,7 @@ class BagRecorder:
             yield from _formal_moves(utterance)
             if utterance.authored is not None:
                 yield _authored(utterance, utterance.authored)
-        yield from self._states_of_dialogues(record.utterances)
+        yield from self._dialogues.changed(record.utterances, record.team)
         if record.wizard != self._wizard:
             self._wizard = record.wizard
             yield HeldTurns(record.wizard.json())
@@ -117,17 +116,6 @@ class BagRecorder:
         if score is not None and score != self._score:
             self._score = score
             yield score
-
-    def _states_of_dialogues(self, utterances: Sequence[moves.DialogueUtterance]) -> Iterator[DialogueStateRecord]:
-        """Yield the states of dialogues that the utterances of this tick have changed."""
-        for utterance in {utterance.topic.robot: utterance for utterance in utterances}.values():
-            if utterance.conversation is None:
-                continue
-            robot = utterance.topic.robot
-            state = DialogueStateRecord(utterance.dialogue, robot, portray(utterance.conversation).json())
-            if self._portraits.get(robot) != state:
-                self._portraits[robot] = state
-                yield state
 
     def _client_requests(self, record: TickRecord, request: GraphRequest) -> Iterator[Record]:
         """Yield the record of a ROS client's request, if the robot of the request exists."""

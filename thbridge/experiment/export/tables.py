@@ -13,7 +13,7 @@ from thbridge.experiment.export.families.described import ExperimentTable
 from thbridge.experiment.export.families.forms import GivenScore, answers, given_scores, scores
 from thbridge.experiment.export.families.game_recording import RecordedTrial, read_game
 from thbridge.experiment.export.families.group_games import RecordedGroup, recorded_groups
-from thbridge.experiment.export.families.group_tables import groups, joint_decisions, seats, texts, votes
+from thbridge.experiment.export.families.group_tables import groups, joint_decisions, objections, seats, texts, votes
 from thbridge.experiment.export.families.log_events import log_events
 from thbridge.experiment.export.families.moves import dialogue_games, moves
 from thbridge.experiment.export.families.people import participants, steps
@@ -167,6 +167,7 @@ def group_tables(records: ExperimentRecords) -> Iterator[ExperimentTable]:
         yield texts(design, game)
         yield joint_decisions(design, game)
         yield votes(design, game)
+        yield objections(design, game)
 
 
 def _of_game(design: ExperimentDesign, trial: RecordedTrial, own: Sequence[GivenScore]) -> Iterator[ExperimentTable]:

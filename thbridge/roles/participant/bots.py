@@ -13,8 +13,8 @@ from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.reply_policy import Opinion, ReplyPolicy
 from thbridge.roles.shared.participant_rules import revealed
-from thbridge.roles.shared.seat_rights import why_not_allowed
-from thbridge.roles.shared.team_notices import DecisionView, Vote
+from thbridge.roles.shared.seat_rights import may_discuss, why_not_allowed
+from thbridge.roles.shared.team_notices import DecisionView, RaiseObjection, Vote
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     Consent,
@@ -38,7 +38,9 @@ from thbridge.roles.shared.view import (
     TeamView,
     TellProperty,
     View,
+    objections_of,
 )
+from thbridge.text_protocol.wire.notice_format import kind_of
 
 STOP_PROBABILITY = 0.1
 """Probability that the `random` participant answers Stop."""
@@ -93,6 +95,7 @@ class Bot:
     seats have found, and leaves a treasure if no other participant finds out more about it for a time. It votes for
     possible names, and for moves according to its attitude; it votes for the end of the game if it waits itself. A bot
     without robots asks for a robot of a participant who has several; a bot with several robots hands one over if asked.
+    A sceptical bot sometimes objects in a dialogue of another seat, if its seat may.
 
     Args:
         strategy: strategy for the choice of rooms.
@@ -183,7 +186,9 @@ class Bot:
 
     def _count_talks_in_vain(self, view: View) -> None:
         """Count dialogues that ended without an agreement or were refused."""
-        is_refused = view.refusal is not None and view.refusal.number > self._refusals
+        # A refused objection is about a dialogue of another seat.
+        refusal = None if view.refusal is None or view.refusal.wish == kind_of(RaiseObjection) else view.refusal
+        is_refused = refusal is not None and refusal.number > self._refusals
         self._refusals = self._refusals if view.refusal is None else view.refusal.number
         talking = {*view.thinking, *(dialogue.robot for dialogue in view.dialogues)}
         agreed = {consent.robot for consent in view.consents}
@@ -222,6 +227,7 @@ class Bot:
                 self._considered[each.decision] += 1
                 if self._considered[each.decision] > MOST_THOUGHTS * noise.uniform(self._thoughts, each.decision, 0):
                     requests.append(Vote(each.decision, agrees=self._agrees(view, each, is_busy=is_busy)))
+        requests += self._objections(view, team)
         own = [robot.robot for robot in view.robots if not robot.has_other_commander]
         able = {mate.seat.name for mate in team.teammates if mate.seat.can_take_over}
         for robot, seat in team.asked_for:
@@ -231,6 +237,19 @@ class Bot:
         if not own and team.own.can_take_over:
             requests += _asked_robot(view, team)
         return requests
+
+    def _objections(self, view: View, team: TeamView) -> Iterator[RaiseObjection]:
+        """Yield the bot's objections in dialogues of teammates."""
+        raised = {each.dialogue for each in objections_of(view) if each.seat == team.own.name}
+        for dialogue in view.dialogues:
+            if not team.own.may_object or dialogue.dialogue in raised:
+                continue
+            moves = dialogue.matter == "select-room"
+            is_dear = moves and self._is_dear(view, view.robots[dialogue.robot], dialogue.room)
+            reason = self._replies.objection(dialogue, is_dear=is_dear)
+            about = (dialogue.robot, dialogue.matter)
+            if reason is not None and may_discuss(revealed(view).state, team.own, *about) is not None:
+                yield RaiseObjection(dialogue.dialogue, reason)
 
     def _agrees(self, view: View, decision: DecisionView, *, is_busy: bool) -> bool:
         """Return True if the bot votes for a decision of a teammate."""

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 from sim.numerics import noise
 from thbridge.dialogue.games.strategies import Attitude
+from thbridge.hunt.events import ObjectionReason
+from thbridge.roles.shared.team_notices import REASONS
 from thbridge.roles.shared.view import DialogueView
 
 MOST_REPLIES = 8
@@ -18,6 +20,10 @@ REJECTION_PROBABILITY = 0.5
 STOP_PROBABILITY = 0.3
 """Probability that a sceptic stops a robot that asks scripted questions, if the sceptic did not choose the room. Also
 probability that a sceptic votes against another participant's move."""
+
+
+OBJECTION_PROBABILITY = 0.2
+"""Probability that a sceptic objects in a dialogue of another participant, if the seat may object."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +93,19 @@ class ReplyPolicy:
                 return noise.uniform(votes, decision, 0) >= STOP_PROBABILITY
             case _:
                 return True
+
+    def objection(self, dialogue: DialogueView, *, is_dear: bool) -> ObjectionReason | None:
+        """Return the reason to object in a dialogue of another participant, or None. Only sceptics object.
+
+        Args:
+            dialogue: the dialogue.
+            is_dear: True if the dialogue is about a move that costs much more than another move.
+        """
+        draw, number = noise.key(self.seed, "participant", "objections"), dialogue.dialogue
+        if self.attitude is not Attitude.SCEPTICAL or noise.uniform(draw, number, 0) >= OBJECTION_PROBABILITY:
+            return None
+        reasons = REASONS[dialogue.matter]
+        return ObjectionReason.TOO_FAR if is_dear else reasons[int(noise.uniform(draw, number, 1) * len(reasons))]
 
     def _sceptical(self, dialogue: DialogueView, is_own: bool) -> tuple[str, ...]:
         """Return a sceptic's preferred acts, in order of preference."""

@@ -84,11 +84,11 @@ def _argument(place: int, argument: PortrayedArgument, portrait: DialoguePortrai
 
 
 def holders(argument: PortrayedArgument) -> str:
-    """Return the sides that believe all parts of an argument.
+    """Return the sides that believe all parts of an argument; for an objection, the seat.
 
     If neither side believes all parts, return "each side in part".
     """
-    return " and ".join(SIDES[side] for side in argument.sides if side in SIDES) or "each side in part"
+    return " and ".join(SIDES.get(side, side) for side in argument.sides) or "each side in part"
 
 
 def _numbers(places: Sequence[int]) -> str:

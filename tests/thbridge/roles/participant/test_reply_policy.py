@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.roles.participant.reply_policy import MOST_REPLIES, MOST_TALK, Opinion, ReplyPolicy
+from thbridge.roles.shared.team_notices import REASONS
 from thbridge.roles.shared.view import DialogueView
 
 SCRIPT = ("continue", "stop")
@@ -90,3 +91,13 @@ def test_replies_are_functions_of_view_and_seed(attitude, acts, replies, opinion
         ReplyPolicy(attitude, seed).reply(DialogueView(1, 1, 0, "select-room", 1, ("...",), ("Yes", "No")), opinion)
         == 0
     )
+
+
+@pytest.mark.parametrize("attitude", Attitude)
+def test_only_sceptics_object_and_only_in_some_dialogues(attitude):
+    dialogues = [offer(SCRIPT, number) for number in range(1, 101)]
+    raised = [ReplyPolicy(attitude, 1).objection(each, is_dear=False) for each in dialogues]
+    assert {*raised} <= {None, *REASONS["select-room"]}
+    count = sum(each is not None for each in raised)
+    assert 10 <= count <= 30 if attitude is Attitude.SCEPTICAL else count == 0
+    assert raised == [ReplyPolicy(attitude, 1).objection(each, is_dear=False) for each in dialogues]

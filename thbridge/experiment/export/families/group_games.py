@@ -19,6 +19,7 @@ from thbridge.hunt.events import (
     CommanderChanged,
     DecisionProposed,
     HandbackRequested,
+    ObjectionRaised,
     PersonSaid,
     PropertyTold,
     RobotDeparted,
@@ -65,6 +66,8 @@ class SeatActs:
         proposed: number of decisions that the seat proposed.
         votes: number of votes on decisions of other seats.
         agreed: number of these votes that agree.
+        objections: number of objections in dialogues of other seats.
+        followed: number of these objections that were followed; see `AnsweredObjection`.
         acts: number of all acts.
         turns: number of turns; a turn is a series of acts of one seat that no other seat interrupts.
     """
@@ -79,8 +82,29 @@ class SeatActs:
     proposed: int = 0
     votes: int = 0
     agreed: int = 0
+    objections: int = 0
+    followed: int = 0
     acts: int = 0
     turns: int = 0
+
+
+@dataclass(slots=True)
+class AnsweredObjection:
+    """Objection of a seat in a dialogue of another seat, and its effect.
+
+    Attributes:
+        raised: the objection.
+        time: time since the start of the game, s.
+        matter: matter of the dialogue; empty if the dialogue has no sentence.
+        decider: seat that talked with the robot; empty if it said nothing.
+        followed: True if what the dialogue proposed was not done before the next dialogue with this robot.
+    """
+
+    raised: ObjectionRaised
+    time: float
+    matter: str = ""
+    decider: str = ""
+    followed: bool = True
 
 
 @dataclass(slots=True)
@@ -221,6 +245,8 @@ def acts_of(recording: GameRecording) -> GroupActs:
             case TimedUtterance(said=said) if said.seat:
                 seat = said.seat
                 found.of(seat).replies += 1
+            case TimedTeamEntry(entry=ObjectionRaised(seat=seat)):
+                found.of(seat).objections += 1
             case TimedTeamEntry(entry=PersonSaid(seat=seat, text=text)):
                 found.of(seat).texts += 1
                 found.of(seat).characters += len(text)
@@ -235,9 +261,48 @@ def acts_of(recording: GameRecording) -> GroupActs:
                 found.of(seat).turns += 1
                 found.turns += 1
             last = seat
+    for answered in objections_in(recording):
+        found.of(answered.raised.seat).followed += answered.followed
     return found
 
 
 def subject_of(group: RecordedGroup) -> AttemptSubject:
     """Return the attempt of one person of a group, for the columns of the design."""
     return AttemptSubject(group.run, group.attempt)
+
+
+def objections_in(recording: GameRecording) -> list[AnsweredObjection]:
+    """Return the objections in a game, in order."""
+    found: list[AnsweredObjection] = []
+    matters: dict[int, str] = {}
+    speakers: dict[int, str] = {}
+    undecided: list[AnsweredObjection] = []
+    for each in sorted((*recording.happenings, *recording.team), key=lambda each: each.time):
+        match each:
+            case TimedUtterance(said=said):
+                matters.setdefault(said.dialogue, said.scenario)
+                if said.seat:
+                    speakers.setdefault(said.dialogue, said.seat)
+                # The next dialogue with a robot ends what an earlier one can lead to.
+                undecided = [
+                    it for it in undecided if it.raised.robot != said.robot or it.raised.dialogue == said.dialogue
+                ]
+            case TimedTeamEntry(entry=ObjectionRaised() as raised, time=time):
+                undecided.append(AnsweredObjection(raised, time, matters.get(raised.dialogue, "")))
+                found.append(undecided[-1])
+            case TimedEvent(event=RobotDeparted() | TreasurePictured() | TreasureIdentified() as event):
+                for answered in undecided:
+                    about = (answered.raised.robot, answered.raised.room)
+                    if answered.matter == _MATTERS[type(event)] and (event.robot, event.room) == about:
+                        answered.followed = False
+    for answered in found:
+        answered.decider = speakers.get(answered.raised.dialogue, "")
+    return found
+
+
+_MATTERS: Mapping[type, str] = {
+    RobotDeparted: "select-room",
+    TreasurePictured: "take-picture",
+    TreasureIdentified: "take-treasure",
+}
+"""Matter of the dialogue after which an event happens."""

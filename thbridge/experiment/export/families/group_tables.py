@@ -1,4 +1,4 @@
-"""The tables of games of several people: `groups`, `seats`, `texts`, `joint_decisions` and `votes`."""
+"""The tables of games of several people: `groups`, `seats`, `texts`, `joint_decisions`, `votes` and `objections`."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -19,13 +19,20 @@ from thbridge.experiment.export.families.described import (
     text,
     whole,
 )
-from thbridge.experiment.export.families.group_games import RecordedGroup, SeatActs, subject_of
+from thbridge.experiment.export.families.group_games import (
+    AnsweredObjection,
+    RecordedGroup,
+    SeatActs,
+    objections_in,
+    subject_of,
+)
 from thbridge.experiment.lobby import SeatHolder
 from thbridge.experiment.store.events import EventKind
 from thbridge.hunt.events import (
     DecisionOutcome,
     DecisionProposed,
     DecisionSettled,
+    ObjectionReason,
     PersonRead,
     PersonSaid,
     VoteCast,
@@ -102,6 +109,17 @@ class _VoteRow(_DecisionRow):
 
     def voted(self) -> float:
         return self.vote.time
+
+
+@dataclass(frozen=True, slots=True)
+class _Objection(_Game):
+    answered: AnsweredObjection
+
+    def objector(self) -> str:
+        return self.answered.raised.seat
+
+    def raised(self) -> float:
+        return self.answered.time
 
 
 G = TypeVar("G", bound=_Game)
@@ -273,6 +291,12 @@ def seats(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
             counted("proposed", "number of decisions that the seat proposed for a vote"),
             counted("votes", "number of votes of the seat on decisions that others proposed"),
             counted("votes_for", "number of these votes that agree", "agreed"),
+            counted("objections", "number of objections of the seat in dialogues of other seats"),
+            counted(
+                "objections_followed",
+                "number of these objections that were followed, as in the table objections",
+                "followed",
+            ),
             counted("turns", "number of turns of the seat, as in the table groups"),
             share("turn_share", "share of the seat in all turns of the game", turn_share),
         ),
@@ -362,6 +386,52 @@ def votes(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
         ),
     )
     return table.of(_VoteRow(game, made, vote) for made in _decisions(game) for vote in made.votes)
+
+
+def objections(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
+    """Return the rows of the objections in a game."""
+    table: TableOf[_Objection] = TableOf(
+        "objections",
+        "an objection of a person in a dialogue of another seat with a robot",
+        (
+            *_game_columns(design),
+            whole(
+                "talk",
+                "number of the dialogue, as in the tables moves and dialogue_games",
+                lambda row: row.answered.raised.dialogue,
+            ),
+            whole(
+                "robot",
+                "number of the robot in the dialogue, from 1",
+                lambda row: number_of(row.answered.raised.robot),
+                least=1,
+            ),
+            whole("room", "number of the room in the dialogue", lambda row: row.answered.raised.room.people),
+            text(
+                "matter",
+                "subject of the dialogue: select-room, take-picture or take-treasure",
+                lambda row: row.answered.matter or None,
+            ),
+            *_who("objector", "person who objects", _Objection.objector, _Objection.raised),
+            text(
+                "decided_by",
+                "seat that talked with the robot; empty if it said nothing",
+                lambda row: row.answered.decider or None,
+            ),
+            text("reason", f"{', '.join(ObjectionReason)}", lambda row: str(row.answered.raised.reason)),
+            text("text", "own words of the person who objects", lambda row: row.answered.raised.text or None),
+            seconds(
+                "time_s", "simulated time of the objection since the start of the game", lambda row: row.answered.time
+            ),
+            flag(
+                "followed",
+                "true if what the dialogue proposed was not done before the next dialogue with this robot",
+                lambda row: row.answered.followed,
+            ),
+        ),
+    )
+    found = [] if game.recording is None else objections_in(game.recording)
+    return table.of(_Objection(game, answered) for answered in found)
 
 
 def _game_columns(design: ExperimentDesign) -> tuple[ValuedColumn[_Game], ...]:
