@@ -288,6 +288,23 @@ def test_the_others_go_on_if_a_person_leaves_the_game(folder: ExperimentFolder, 
 
 
 @pytest.mark.slow
+def test_a_person_may_leave_a_practice_game_of_the_group(folder: ExperimentFolder) -> None:
+    change(folder, {"steps:\n": "steps:\n  - {step: practice, name: try, max_seconds: 3000}\n"})
+    team: dict[str, BrowserPerson] = {}
+
+    async def play(port: int, _conductor: Conductor) -> None:
+        team.update(await seated(folder, port, (WATCHES, WATCHES)))
+        await team["north"].stop()
+        await finish(team)
+
+    progress = scenario(folder, play)
+    north, south = progress.runs.values()
+    assert (north.state, team["north"].ending) == (RunState.LEFT, "EARLY")
+    assert (south.state, team["south"].ending) == (RunState.EXCLUDED, "ALL-DONE")
+    assert "could not be played" in south.reason
+
+
+@pytest.mark.slow
 def test_an_absent_person_finds_the_seat_again(folder: ExperimentFolder) -> None:
     change(folder, {"leaving: end": "leaving: program", "then: end": "then: wait"})
     team: dict[str, BrowserPerson] = {}
