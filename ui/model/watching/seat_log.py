@@ -48,8 +48,8 @@ class SeatsState:
 
     Attributes:
         seats: the seats; empty in a game with one participant.
-        played: who plays each seat; seats that nobody plays are missing.
-        left: seats that were played before, and that nobody plays now.
+        played: who plays each seat; seats without a player are missing.
+        left: seats that were played before, and have no player now.
         commands: seat that commands each robot, by index; robots of other commanders are missing.
         shown: dialogues that each seat sees.
         texts: texts between people, oldest first.
@@ -90,7 +90,7 @@ class _ShownTeam(msgspec.Struct):
 
 
 class _ShownGame(msgspec.Struct):
-    """The parts of a participant's view that tell with whom the robots talk."""
+    """The parts of a participant's view about the partners of robots' dialogues."""
 
     dialogues: tuple[_ShownDialogue, ...] = ()
     team: _ShownTeam | None = None
