@@ -25,7 +25,7 @@ from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.seats import PlayedBy
 from thbridge.roles.shared.view import GiveConsent
 from thbridge.sockets.reconnecting import ConnectionLost, LossReason
-from ui.command_line.terminal import DECLINED
+from ui.command_line.terminal import DECLINED, FAILED, note
 from ui.model.lobby import (
     LOBBY,
     Agreed,
@@ -87,8 +87,10 @@ class GamePage(QWidget):
         declined: signal: the participant declines to take part in the study.
         went_on: signal: the participant continues after the game.
         help_shown: signal: the sheet of rules and keys was opened or closed.
+        refused: signal: the server refuses this program, with the reason.
     """
 
+    refused = Signal(str)
     seen_over = Signal()
     declined = Signal()
     went_on = Signal()
@@ -254,6 +256,8 @@ class GamePage(QWidget):
                     self._model.connected(received.time)
                 case ConnectionLost() as lost:
                     self._model.lost(why_lost(self._model.texts, lost), received.time)
+                    if lost.reason is LossReason.REFUSED:
+                        self.refused.emit(lost.detail)
                 case notice:
                     self._model.receive(notice, received.time)
         self._follow_language()
@@ -513,8 +517,16 @@ def play_at(
     table = _table(app, choice, None, shipped_texts())
     # A participant's key is valid for one game, so the window does not offer another game.
     table.join(ParticipantLink(host, port, token, key=key, seat=seat, by=by), once=key is not None)
+    reasons: list[str] = []
+    if by is PlayedBy.RESEARCHER and table.game is not None:
+        # A researcher leaves when the participant plays again, and does not wait for the seat.
+        table.game.refused.connect(reasons.append)
+        table.game.refused.connect(lambda _: table.leave())
     table.show()
     code = app.exec()
+    if reasons:
+        note(f"The server ended the connection: {reasons[0] or 'another researcher plays this seat'}.")
+        return FAILED
     return DECLINED if table.declined else code
 
 
