@@ -13,6 +13,7 @@ from tests.support.programs.shown_pages import PageState, StateServer, shown_gam
 from tests.support.windows import sample_screens
 from thbridge.files.language_texts import shipped_texts
 from ui.model.kiosk import GameToJoin, TurnToAwait
+from ui.model.playing.screen import Action, DialoguePopup, RaiseObjectionAct, ShowNext
 
 pytestmark = pytest.mark.skipif(not CHROMIUM.exists(), reason="Chromium is not installed (make peers, as root)")
 
@@ -36,10 +37,18 @@ def browser() -> Iterator[Chromium]:
         yield running
 
 
-def show(server: StateServer, browser: Chromium, *, width: int = 1440, name: str = "people") -> None:
+def show(
+    server: StateServer,
+    browser: Chromium,
+    *,
+    width: int = 1440,
+    name: str = "people",
+    popup: DialoguePopup | None = None,
+) -> None:
     screen = sample_screens.states()[name]
+    screen = screen if popup is None else replace(screen, popup=popup)
     game = shown_game(shipped_texts(), screen, (), sample_screens.floor_plan())
-    game = replace(game, page=replace(game.page, keys=("T", "X", "Enter")))
+    game = replace(game, page=replace(game.page, keys=("T", "X", "O", "Enter")))
     server.state = PageState(name, (GameToJoin(1, "", 0, "", False),), game)
     browser.resize(width, 800, touch=width < 500)
     server.received.clear()
@@ -95,6 +104,32 @@ def test_keys_write_a_text_and_enter_sends_it(server: StateServer, browser: Chro
     browser.press("Escape")
     browser.press("x")
     assert sent(server, browser, "X")[-1] == {"act": "X"}
+
+
+def test_the_key_and_the_button_object_with_the_words_of_the_field(server: StateServer, browser: Chromium) -> None:
+    objection = "The scout objects: That room is too far."
+    popup = DialoguePopup(
+        0,
+        "Robot 1: room 3",
+        (("robot", "Shall I go?"), ("objection", objection)),
+        (),
+        Action(ShowNext(), "Close", "Esc"),
+        partner="the driver",
+        objects=Action(RaiseObjectionAct(), "Object", "O"),
+        own_words="Your own words",
+    )
+    show(server, browser, popup=popup)
+    field = "document.querySelector('.objection input')"
+    assert browser.evaluate("document.querySelector('.said [data-speaker=objection]').textContent") == objection
+    browser.evaluate(f"{field}.focus()")
+    browser.press("o")
+    assert browser.evaluate(f"{field}.value") == "o"
+    assert "RaiseObjectionAct" not in "".join(server.received)
+    browser.evaluate(f"{field}.blur()")
+    browser.press("o")
+    assert sent(server, browser, "RaiseObjectionAct")[-1] == {"act": "RaiseObjectionAct", "text": "o"}
+    show(server, browser, popup=replace(popup, objects=None, own_words=""))
+    assert browser.evaluate(f"{field}.offsetParent") is None
 
 
 def test_texts_are_read_when_they_are_on_the_screen(server: StateServer, browser: Chromium) -> None:

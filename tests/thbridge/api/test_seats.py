@@ -7,6 +7,10 @@ import pytest
 
 from tests.support.programs.commands import thbridge
 from thbridge import api
+from thbridge.dialogue.portrait import read_portrait
+from thbridge.recording.bag.reading.reader import messages
+from thbridge.ros import names
+from thbridge.ros.messages import unpack
 
 SEATS = [
     {"name": "driver", "label": "the driver", "robots": [1, 2], "names_treasures": False},
@@ -75,6 +79,10 @@ def test_a_seat_that_follows_a_dialogue_objects_and_the_commander_reads_it(tmp_p
         assert driver.view.dialogues[0].objections == (api.HuntObjection("namer", "too-far", "Look at the wall."),)
         (event,) = [event for event in session.events if event.kind == "objected"]
         assert (event.robot, event.room, event.data["seat"]) == (1, 3, "namer")
+    states = [read_portrait(unpack.dialogue_state(each.data).json) for each in messages(bag, [names.DIALOGUE_STATES])]
+    assert "namer" not in str(states[0].arguments)
+    (objection,) = [each for each in states[-1].arguments if each.sides == ("namer",)]
+    assert (objection.support, objection.conclusion) == (("objected(namer, too_far)",), "not next(Robot1, Room3)")
     replayed = thbridge(tmp_path, "replay", "hunt.bag", "--json")
     assert replayed.exit_code == 0, replayed.output
 

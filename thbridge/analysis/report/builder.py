@@ -121,6 +121,7 @@ class ReportBuilder:
         self._events: list[tuple[float, GameEvent]] = []
         self._utterances: list[tuple[float, UtteranceRecord]] = []
         self._timeline: list[TimelineEntry] = []
+        self._team: list[tuple[float, TeamEntry]] = []
         self._inputs = 0
         self._outlines: defaultdict[str, list[FloatArray]] = defaultdict(list)
         self._rooms = RoomNames()
@@ -207,6 +208,7 @@ class ReportBuilder:
             tuple(self._events),
             tuple(self._utterances),
             tuple(self._scores),
+            tuple(self._team),
         )
 
     def _missing(self, tracks: tuple[Track, ...], grid: OccupancyGrid | None) -> Iterable[str]:
@@ -252,6 +254,7 @@ class ReportBuilder:
         if topic == TEAM:
             entry = from_json(event.json)
             if isinstance(entry, TeamEntry):
+                self._team.append((time, entry))
                 what, text = kind_in_words(event.kind), entry_in_words(entry, self._rooms)
                 self._timeline.append(TimelineEntry(time, what, seat_of_entry(entry), event.room, text))
             return

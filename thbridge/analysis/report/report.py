@@ -9,6 +9,7 @@ from sim.common.grid import OccupancyGrid
 from sim.common.robot_numbers import index_of, robot_name
 from sim.numerics.float_array import FloatArray
 from thbridge.analysis.report.dialogues import RecordedDialogues
+from thbridge.hunt.events import TeamEntry
 from thbridge.hunt.rooms import RoomNames
 from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
 
@@ -169,6 +170,7 @@ class Report:
         events: events of the game as they were recorded, with their times, s.
         utterances: utterances as they were recorded, with their times, s.
         scores: all scores as they were recorded, with their times, s.
+        team: texts, votes and objections of the participants of several seats, with their times, s.
     """
 
     duration: float
@@ -188,3 +190,4 @@ class Report:
     events: tuple[tuple[float, GameEvent], ...] = ()
     utterances: tuple[tuple[float, UtteranceRecord], ...] = ()
     scores: tuple[tuple[float, ScoreRecord], ...] = ()
+    team: tuple[tuple[float, TeamEntry], ...] = ()

@@ -15,6 +15,7 @@ from thbridge.dialogue.wording.texts import NamedRoom, Texts
 from thbridge.files.map_files import MapRoom
 from thbridge.hunt import events
 from thbridge.hunt.rooms import RoomNames
+from thbridge.hunt.seats import label_of
 from thbridge.study.study_file import Study
 from ui.model.shared.scene import decided
 from ui.web.page.floor import FloorRoom, FloorShapes, outline
@@ -149,6 +150,11 @@ def _entries(report: Report, words: EventWords, pages: Mapping[int, int]) -> Ite
             yield entry
     for at, said in report.utterances:
         yield words.utterance(at, said, pages.get(said.robot))
+    started = (event_of(event) for _, event in report.events)
+    seats = next((each.seats for each in started if isinstance(each, events.GameStarted)), ())
+    for at, raised in report.team:
+        if isinstance(raised, events.ObjectionRaised):
+            yield words.objection(at, raised, label_of(seats, raised.seat), pages.get(raised.robot))
     for fault in report.timeline:
         if fault.kind in {"misheard", "strategy failed"}:
             robot = next(each for each in (*pages, 0) if robot_name(each) == fault.who)

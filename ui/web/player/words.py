@@ -5,9 +5,11 @@ from thbridge.hunt import events
 from thbridge.hunt.codec import from_json
 from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.hunt.rooms import Room, RoomNames
+from thbridge.hunt.seats import capitalized
 from thbridge.hunt.treasures import name_in_words
 from thbridge.json_text import json_of
 from thbridge.ros.messages.session_records import GameEvent, UtteranceRecord
+from ui.model.playing.objections import reason_words
 from ui.web.player.content import EntryMark, PlayedEntry
 
 _INCIDENTS = {
@@ -67,6 +69,20 @@ class EventWords:
         if said.author == "wizard":
             who = self.texts.text("player.speaker_researcher", speaker=who)
         return PlayedEntry(at, EntryMark.SAID, speaker, robot, who, said.text or said.move)
+
+    def objection(self, at: float, raised: events.ObjectionRaised, label: str, robot: int | None) -> PlayedEntry:
+        """Return the entry of an objection.
+
+        Args:
+            at: seconds.
+            raised: the objection.
+            label: words for the seat that objects.
+            robot: index of the dialogue's robot in the page, or None.
+        """
+        key = "objections.by_teammate_because" if raised.text else "objections.by_teammate"
+        reason = reason_words(self.texts, raised.reason)
+        text = self.texts.text(key, seat=capitalized(label), reason=reason, words=raised.text)
+        return PlayedEntry(at, EntryMark.OTHER, "", robot, "", text)
 
     def room(self, room: Room | int) -> NamedRoom:
         """Return a room with its name."""

@@ -24,7 +24,8 @@ from thbridge.analysis.report.report import Report
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.language_texts import shipped_texts
 from thbridge.files.ros.definitions import Definitions
-from thbridge.hunt.rooms import RoomNames
+from thbridge.hunt.events import ObjectionRaised, ObjectionReason
+from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages.session_records import GameEvent, UtteranceRecord
@@ -274,3 +275,11 @@ def test_an_hour_of_ten_robots_needs_at_most_five_megabytes(report: Report) -> N
     floor = floor_of(arena(), (), RoomNames(), Study())
     made = page_of(PlayedRecording("en", words_of(shipped_texts()), floor, (), (game,)), "hour.bag", "")
     assert len(made.encode()) < MOST_BYTES
+
+
+def test_an_objection_is_in_the_transcript(report: Report) -> None:
+    raised = ObjectionRaised(1, "namer", 0, Room(3), ObjectionReason.TOO_FAR, "Look.", 1, 2.0)
+    game = played_game(replace(report, team=((2.0, raised),)), GameContext(None, shipped_texts()), several=False)
+    (entry,) = [entry for entry in game.entries if "objects" in entry.text]
+    assert (entry.at, entry.robot) == (2.0, 0)
+    assert entry.text.endswith("objects: That room is too far. “Look.”")
