@@ -23,12 +23,15 @@ from thbridge.hunt.events import (
     PersonSaid,
     PropertyTold,
     RobotDeparted,
+    SeatLeft,
+    SeatTaken,
     TreasureIdentified,
     TreasureLeft,
     TreasurePictured,
     TreasureTakenUp,
     VoteCast,
 )
+from thbridge.hunt.seats import PlayedBy
 
 _ACTS = (
     CommanderChanged,
@@ -170,8 +173,10 @@ class RecordedGroup:
         """Return the id of the person of a seat. Return None for other holders, and for people who withdrew."""
         return self.game.people.get(seat)
 
-    def holder(self, seat: str, time: float) -> SeatHolder:
-        """Return the holder of a seat at a time since the start of the game, s."""
+    def holder(self, seat: str, time: float) -> SeatHolder | PlayedBy:
+        """Return the holder of a seat at a time since the start of the game, s; a researcher by the recording."""
+        if self.recording is not None and is_researchers(self.recording.team, seat, time):
+            return PlayedBy.RESEARCHER
         began = 0.0 if self.recording is None else self.recording.began
         present = self.game.began[seat]
         for change in self.changes.get(seat, ()):
@@ -192,6 +197,20 @@ class RecordedGroup:
     def state(self) -> RecordingState:
         """State of the game's recording."""
         return RecordingState.NONE if self.trial is None else self.trial.recording
+
+
+def is_researchers(team: Sequence[TimedTeamEntry], seat: str, time: float) -> bool:
+    """Return True if a researcher plays a seat at a time since the start of the game, s."""
+    present: PlayedBy | None = None
+    for each in team:
+        match each.entry:
+            case SeatTaken(seat=taken, by=by) if taken == seat and each.time <= time:
+                present = by
+            case SeatLeft(seat=left) if left == seat and each.time <= time:
+                present = None
+            case _:
+                pass
+    return present is PlayedBy.RESEARCHER
 
 
 def recorded_groups(

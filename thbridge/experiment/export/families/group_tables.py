@@ -495,7 +495,7 @@ def _who(name: str, role: str, seat: Callable[[G], str], time: Callable[[G], flo
         ),
         text(
             f"{name}_holder",
-            "holder of this seat at that time: person, program (a simulated participant) or empty",
+            "holder of this seat at that time: person, program (a simulated participant), researcher or empty",
             lambda row: str(row.group.holder(seat(row), time(row))),
         ),
     )
