@@ -63,8 +63,8 @@ class WaitingRoom:
             most: greatest number of games that can start now. If None, there is no limit.
         """
         progress, games, ended = self._conductor.progress, list[GroupGame](), list[str]()
-        for person in self._lobby.waiting:
-            # A person of a known group may have left meanwhile.
+        # All people of a pool have the same rule. A person of a known group may have left meanwhile.
+        for person in {each.pool: each for each in self._lobby.waiting}.values():
             _, rule = pool_of(progress, progress.runs[person.participant], self._steps[person.participant])
             self._lobby = self._lobby.changed(person.pool, rule)
         self._lobby, outcomes = self._lobby.matched(now, most)
