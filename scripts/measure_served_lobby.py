@@ -335,7 +335,7 @@ def measure(options: argparse.Namespace) -> list[str]:
         print("\n".join(row(folder, guests, options)), flush=True)
         found = [*faults(folder, guests, options)]
         if "Traceback" in printed:
-            found.append(f"The server printed: {printed}")
+            found.append(f"The server printed: {printed[printed.index('Traceback') :][:2000]}")
         return found
 
 

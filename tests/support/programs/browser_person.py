@@ -88,7 +88,7 @@ class BrowserPerson:
         self._items = {(form.title, item.id): item for form in design.forms.values() for item in form.items}
         self.manner = manner
         self._random = random.Random(seed)
-        self._left = self._read = self._played = 0
+        self._left = self._read = self._played = self._talked = 0
         self._in_game = 0
 
     async def go_through(self) -> str:
@@ -115,7 +115,7 @@ class BrowserPerson:
             await self.browser.close()
             self.browser.study.clear()
             self.browser.tree = {}
-            self._left = self._read = self._played = 0
+            self._left = self._read = self._played = self._talked = 0
             with suppress(OSError, InvalidHandshake, http.client.HTTPException):
                 await asyncio.to_thread(self.browser.load, self._query)
                 await self.browser.open()
@@ -268,7 +268,7 @@ class BrowserPerson:
         tree = self.browser.tree
         if tree.get("phase") not in {"playing", "over"} or await self._interrupted():
             return
-        await self._talk(tree["people"])
+        await self._talk(shown["page"], tree["people"])
         if shown.get("practice") and self._game["done"] and not tree["ending"]:
             await self._leave(shown["page"], "WentOn")
             return
@@ -282,7 +282,7 @@ class BrowserPerson:
             self.acts.append("EndGameAct")
             await self.browser.press("E")
 
-    async def _talk(self, panel: dict[str, Any] | None) -> None:
+    async def _talk(self, page: int, panel: dict[str, Any] | None) -> None:
         """Read the texts of the other people, and send the own text once."""
         if panel is None:
             return
@@ -290,9 +290,9 @@ class BrowserPerson:
         self.heard.update(each["text"] for each in panel["texts"])
         if panel["read"] is not None:
             await self.browser.act(panel["read"])
-        says = self.manner.says
-        if says and panel["writes"] and not panel["closed"] and not any(each["own"] for each in panel["texts"]):
-            await self.browser.act({**panel["send"], "text": says})
+        if self._talked != page and self.manner.says and not any(each["own"] for each in panel["texts"]):
+            await self.browser.act({**panel["send"], "text": self.manner.says})
+        self._talked = page
 
     def _wanted(self, tree: dict[str, Any]) -> dict[str, Any] | None:
         """Return the act that the person wants; None to wait, or to end the game."""
