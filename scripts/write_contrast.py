@@ -95,6 +95,7 @@ PAIRS = (
     Pair("participant/widgets/panels.py", "newest sentences", "text", "track"),
     Pair("participant/widgets/panels.py", "earlier sentences", "muted", "track"),
     Pair("participant/widgets/panels.py", "speaker", "robots accent", "panel track", "sign"),
+    Pair("participant/widgets/panels.py", "edge of an objection", "bad", "track", "sign"),
     Pair("participant/widgets/painting.py", "robot's chip", "robots", GROUNDS, "sign"),
     Pair("participant/waiting.py", "waiting item", "text", "panel track"),
     Pair("participant/waiting.py", "key of a waiting item", "muted", "panel track"),

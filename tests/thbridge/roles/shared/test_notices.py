@@ -21,7 +21,7 @@ ON_THE_WIRE = """
     RobotsReady Orders Status MoveCosts HiderReady HidePlease HideTreasures Reply ParticipantReady Failed Subscribe
     Whereabouts Ways House Texts Picture MayRecord Recordable Unfit
     View Talk Decline Agree Select Unsure Answer SendRobot CallBack AskBack HandOver Sense Discuss
-    TakePicture Identify Leave TakeUp GiveUp PlayAgain Measure Tell Say Read Vote
+    TakePicture Identify Leave TakeUp GiveUp PlayAgain Measure Tell Say Read Vote Object
 """
 
 

@@ -123,7 +123,7 @@ def test_history_and_clock_go_on_when_another_worker_resumes_the_game(tmp_path: 
             await talking(browser)
             await asyncio.sleep(0.4)
             await browser.act(browser.tree["dialogue"]["choices"][0]["act"])
-            await browser.until(lambda: browser.tree.get("treasure"))
+            await browser.until(lambda: any("Something was found" in line for line in lines(browser)))
             history, time = lines(browser), clock(browser)
             (key,) = running
             worker = running.address(key)
