@@ -8,9 +8,11 @@ import pytest
 from tests.support.studies.group_studies import group_study, rehearsed
 from tests.thbridge.experiment.psych_ds_rules import problems
 from thbridge.experiment.design.soundness import GROUP_COLUMNS, TAKEN_COLUMNS
+from thbridge.experiment.export.families.dyads import dyads
 from thbridge.experiment.export.families.game_recording import (
     GameRecording,
     Happening,
+    TimedEvent,
     TimedTeamEntry,
     TimedUtterance,
     read_game,
@@ -22,6 +24,8 @@ from thbridge.experiment.export.tables import ExperimentRecords, group_tables, r
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.rehearsal.people import SimulatedPeople
 from thbridge.hunt.events import (
+    Commander,
+    CommanderChanged,
     DecisionKind,
     DecisionOutcome,
     DecisionProposed,
@@ -193,3 +197,30 @@ def test_turns_are_series_of_acts_of_one_seat(records: ExperimentRecords, group:
     assert (acts.turns, acts.of("driver").turns, acts.of("namer").turns) == (3, 2, 1)
     rows = {row["seat"]: row for row in seats(records.design, group.recorded(recording)).rows}
     assert rows["driver"]["turn_share"] == pytest.approx(2 / 3)
+
+
+def test_dyads_have_what_one_seat_did_toward_the_other(records: ExperimentRecords, group: RecordedGroup) -> None:
+    recording = told(
+        PersonSaid(1, "driver", "", "Hello", 1.0, 0.5),
+        PersonRead(1, "namer", 3.0),
+        DecisionProposed(1, "driver", DecisionKind.SEND, 0, Room(2), "", 2, 4.0),
+        VoteCast(1, "namer", True, "", 6.0),
+        DecisionSettled(1, DecisionOutcome.CARRIED, 6.0),
+        ObjectionRaised(7, "namer", 0, Room(2), ObjectionReason.TOO_FAR, "", 1, 8.0),
+    )
+    said = UtteranceRecord(
+        dialogue=7, speaker="human", robot=0, room=2, scenario="select-room", text="Go", author="person driver",
+        move="assert",
+    )  # fmt: skip
+    given = CommanderChanged(1, Commander.PARTICIPANT, "namer", seat="driver")
+    back = CommanderChanged(1, Commander.PARTICIPANT, "driver")
+    events = [TimedEvent(at, event, None, None) for at, event in ((9.0, given), (10.0, back))]
+    recording.happenings = [TimedUtterance(7.0, said), *events]
+    first, second = dyads(records.design, group.recorded(recording)).rows
+    assert (first["seat"], first["toward"]) == (second["toward"], second["seat"]) == ("driver", "namer")
+    assert first["participant"] == second["toward_participant"] == group.game.people["driver"]
+    assert (first["texts"], first["read_after_s"], second["texts"], second["read_after_s"]) == (1, 2.0, 0, None)
+    assert (second["votes"], second["agreed"], second["vote_after_s"], first["votes"]) == (1, 1, 2.0, 0)
+    assert (second["objections"], first["objections"]) == (1, 0)
+    assert (first["handed_over"], second["handed_over"]) == (1, 0)
+    assert (first["turns"], second["turns"]) == (2, 2)

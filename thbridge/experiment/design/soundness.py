@@ -42,12 +42,12 @@ TAKEN_COLUMNS = frozenset(_COLUMNS.split())
 """Names of columns of exported tables. A factor with one of these names would overwrite the column."""
 
 _GROUP_COLUMNS = """
-after_proposal_s agreed_by agrees author_holder author_participant characters decided decided_by empty_seats filled_s
-followed group holder holder_at_end incomplete left_s line most_waited_s moves needs objections objections_followed
-objector objector_holder objector_participant people pictures programs proposed proposed_by proposed_by_holder
-proposed_by_participant proposed_s read_after_s read_s reader reader_holder reader_participant rejected_by replies
-resumed_s room seat seats texts to_all treasure turn_share turns typing_s voter voter_holder voter_participant votes
-votes_for waited_s
+after_proposal_s agreed agreed_by agrees author_holder author_participant characters decided decided_by empty_seats
+filled_s followed group handed_over holder holder_at_end incomplete left_s line most_waited_s moves needs objections
+objections_followed objector objector_holder objector_participant people pictures programs proposed proposed_by
+proposed_by_holder proposed_by_participant proposed_s read_after_s read_s reader reader_holder reader_participant
+rejected_by replies resumed_s room seat seats texts to_all toward toward_participant treasure turn_share turns
+typing_s vote_after_s voter voter_holder voter_participant votes votes_for waited_s
 """
 GROUP_COLUMNS = frozenset(_GROUP_COLUMNS.split())
 """Names of further columns in studies with games of several people."""

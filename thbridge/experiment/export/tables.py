@@ -10,6 +10,7 @@ from thbridge.experiment.export.families.attempts import Attempt, AttemptSubject
 from thbridge.experiment.export.families.attention import figures_of, fluency, robots
 from thbridge.experiment.export.families.decisions import decisions, decisions_of
 from thbridge.experiment.export.families.described import ExperimentTable
+from thbridge.experiment.export.families.dyads import dyads
 from thbridge.experiment.export.families.forms import GivenScore, answers, given_scores, scores
 from thbridge.experiment.export.families.game_recording import RecordedTrial, read_game
 from thbridge.experiment.export.families.group_games import RecordedGroup, recorded_groups
@@ -168,6 +169,7 @@ def group_tables(records: ExperimentRecords) -> Iterator[ExperimentTable]:
         yield joint_decisions(design, game)
         yield votes(design, game)
         yield objections(design, game)
+        yield dyads(design, game)
 
 
 def _of_game(design: ExperimentDesign, trial: RecordedTrial, own: Sequence[GivenScore]) -> Iterator[ExperimentTable]:

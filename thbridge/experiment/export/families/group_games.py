@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import groupby
 
 from thbridge.experiment.export.families.attempts import Attempt, AttemptSubject
 from thbridge.experiment.export.families.game_recording import (
@@ -248,41 +249,54 @@ def recorded_groups(
 
 def acts_of(recording: GameRecording) -> GroupActs:
     """Return the acts of all seats in a game."""
-    found, last = GroupActs(), ""
-    happenings = sorted((*recording.happenings, *recording.team), key=lambda each: each.time)
-    for each in happenings:
-        seat = ""
+    found = GroupActs()
+    for seat, each in _acts_in(recording):
+        acts = found.of(seat)
+        acts.acts += 1
         match each:
-            case TimedEvent(event=event) if isinstance(event, _ACTS) and event.seat:
-                seat = event.seat
-                acts = found.of(seat)
+            case TimedEvent(event=event):
                 acts.moves += isinstance(event, RobotDeparted)
                 acts.pictures += isinstance(event, TreasurePictured) and event.cost > 0.0
                 if isinstance(event, TreasureIdentified):
                     acts.named += 1
                     acts.points += event.points
-            case TimedUtterance(said=said) if said.seat:
-                seat = said.seat
-                found.of(seat).replies += 1
-            case TimedTeamEntry(entry=ObjectionRaised(seat=seat)):
-                found.of(seat).objections += 1
-            case TimedTeamEntry(entry=PersonSaid(seat=seat, text=text)):
-                found.of(seat).texts += 1
-                found.of(seat).characters += len(text)
-            case TimedTeamEntry(entry=DecisionProposed(seat=seat)):
-                found.of(seat).proposed += 1
-            case TimedTeamEntry(entry=VoteCast(seat=seat, agrees=agrees)):
-                found.of(seat).votes += 1
-                found.of(seat).agreed += agrees
-        if seat:
-            found.of(seat).acts += 1
-            if seat != last:
-                found.of(seat).turns += 1
-                found.turns += 1
-            last = seat
+            case TimedUtterance():
+                acts.replies += 1
+            case TimedTeamEntry(entry=ObjectionRaised()):
+                acts.objections += 1
+            case TimedTeamEntry(entry=PersonSaid(text=text)):
+                acts.texts += 1
+                acts.characters += len(text)
+            case TimedTeamEntry(entry=DecisionProposed()):
+                acts.proposed += 1
+            case TimedTeamEntry(entry=VoteCast(agrees=agrees)):
+                acts.votes += 1
+                acts.agreed += agrees
+    for seat in turns_in(recording):
+        found.of(seat).turns += 1
+        found.turns += 1
     for answered in objections_in(recording):
         found.of(answered.raised.seat).followed += answered.followed
     return found
+
+
+def turns_in(recording: GameRecording) -> list[str]:
+    """Return the seat of each turn in a game; a turn is a series of acts of one seat that no other seat interrupts."""
+    return [seat for seat, _ in groupby(seat for seat, _ in _acts_in(recording))]
+
+
+def _acts_in(recording: GameRecording) -> Iterator[tuple[str, TimedEvent | TimedUtterance | TimedTeamEntry]]:
+    """Yield the acts, sentences, texts, votes and objections of seats in a game, in order, with the seat of each."""
+    for each in sorted((*recording.happenings, *recording.team), key=lambda each: each.time):
+        match each:
+            case TimedEvent(event=event) if isinstance(event, _ACTS) and event.seat:
+                yield event.seat, each
+            case TimedUtterance(said=said) if said.seat:
+                yield said.seat, each
+            case TimedTeamEntry(entry=ObjectionRaised() | PersonSaid() | DecisionProposed() | VoteCast() as entry):
+                yield entry.seat, each
+            case _:
+                pass
 
 
 def subject_of(group: RecordedGroup) -> AttemptSubject:

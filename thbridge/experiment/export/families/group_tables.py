@@ -43,20 +43,20 @@ _OF_A_PERSON = {"participant", "counts", "group", "seat", "attempt"}
 
 
 @dataclass(frozen=True, slots=True)
-class _Game:
-    """Object of a row that belongs to a game of a group."""
+class GroupedRow:
+    """Object of a row that belongs to a game of a group; tables have their own classes of it."""
 
     group: RecordedGroup
 
 
 @dataclass(frozen=True, slots=True)
-class _Seat(_Game):
+class _Seat(GroupedRow):
     seat: str
     acts: SeatActs
 
 
 @dataclass(frozen=True, slots=True)
-class _Text(_Game):
+class _Text(GroupedRow):
     time: float
     said: PersonSaid
     reader: str
@@ -90,7 +90,7 @@ class _Decision:
 
 
 @dataclass(frozen=True, slots=True)
-class _DecisionRow(_Game):
+class _DecisionRow(GroupedRow):
     made: _Decision
 
     def proposer(self) -> str:
@@ -112,7 +112,7 @@ class _VoteRow(_DecisionRow):
 
 
 @dataclass(frozen=True, slots=True)
-class _Objection(_Game):
+class _Objection(GroupedRow):
     answered: AnsweredObjection
 
     def objector(self) -> str:
@@ -122,7 +122,7 @@ class _Objection(_Game):
         return self.answered.time
 
 
-G = TypeVar("G", bound=_Game)
+G = TypeVar("G", bound=GroupedRow)
 
 
 def groups(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
@@ -137,14 +137,14 @@ def groups(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
     def whole_number(row: RecordedGroup, name: str) -> int | None:
         return None if (value := row.logged(name)) is None else int(value)
 
-    def in_game(row: _Game, value: int) -> int | None:
+    def in_game(row: GroupedRow, value: int) -> int | None:
         return None if row.group.recording is None else value
 
-    table: TableOf[_Game] = TableOf(
+    table: TableOf[GroupedRow] = TableOf(
         "groups",
         "a game of a group of people",
         (
-            *_game_columns(design),
+            *game_columns(design),
             text("seats", "names of the seats", lambda row: "; ".join(row.group.game.began)),
             count("people", "number of seats that people had at the start", lambda row: holders(row.group, _PERSON)),
             count(
@@ -216,7 +216,7 @@ def groups(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
             ),
         ),
     )
-    return table.of([_Game(game)])
+    return table.of([GroupedRow(game)])
 
 
 _PERSON, _PROGRAM, _EMPTY = SeatHolder.PERSON, SeatHolder.PROGRAM, SeatHolder.EMPTY
@@ -243,7 +243,7 @@ def seats(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
         "seats",
         "a seat in a game of a group",
         (
-            *_game_columns(design),
+            *game_columns(design),
             text("seat", "name of the seat", lambda row: row.seat),
             text(
                 "participant",
@@ -310,7 +310,7 @@ def texts(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
         "texts",
         "a text of a person, for one addressee",
         (
-            *_game_columns(design),
+            *game_columns(design),
             whole("line", "number of the text in the game, from 1", lambda row: row.said.line, least=1),
             *_who("author", "author of the text", _Text.author_seat, _Text.sent),
             *_who("reader", "addressee", _Text.reader_seat, _Text.sent),
@@ -331,7 +331,7 @@ def texts(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
             text("text", "the text", lambda row: row.said.text),
         ),
     )
-    return table.of(_texts(game))
+    return table.of(texts_in(game))
 
 
 def joint_decisions(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
@@ -344,7 +344,7 @@ def joint_decisions(design: ExperimentDesign, game: RecordedGroup) -> Experiment
         "joint_decisions",
         "a decision on which people voted",
         (
-            *_game_columns(design),
+            *game_columns(design),
             *_decision_columns(),
             text(
                 "outcome",
@@ -363,7 +363,7 @@ def joint_decisions(design: ExperimentDesign, game: RecordedGroup) -> Experiment
             ),
         ),
     )
-    return table.of(_DecisionRow(game, made) for made in _decisions(game))
+    return table.of(_DecisionRow(game, made) for made in joint_decisions_in(game))
 
 
 def votes(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
@@ -372,7 +372,7 @@ def votes(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
         "votes",
         "a vote of a person on a decision",
         (
-            *_game_columns(design),
+            *game_columns(design),
             *_decision_columns(),
             *_who("voter", "voter", _VoteRow.voter, _VoteRow.voted),
             flag("agrees", "true if the voter agrees", lambda row: row.vote.agrees),
@@ -385,7 +385,7 @@ def votes(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
             ),
         ),
     )
-    return table.of(_VoteRow(game, made, vote) for made in _decisions(game) for vote in made.votes)
+    return table.of(_VoteRow(game, made, vote) for made in joint_decisions_in(game) for vote in made.votes)
 
 
 def objections(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable:
@@ -394,7 +394,7 @@ def objections(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable
         "objections",
         "an objection of a person in a dialogue of another seat with a robot",
         (
-            *_game_columns(design),
+            *game_columns(design),
             whole(
                 "talk",
                 "number of the dialogue, as in the tables moves and dialogue_games",
@@ -434,10 +434,10 @@ def objections(design: ExperimentDesign, game: RecordedGroup) -> ExperimentTable
     return table.of(_Objection(game, answered) for answered in found)
 
 
-def _game_columns(design: ExperimentDesign) -> tuple[ValuedColumn[_Game], ...]:
+def game_columns(design: ExperimentDesign) -> tuple[ValuedColumn[GroupedRow], ...]:
     """Return the first columns of each row that belongs to a game of a group."""
 
-    def of_game(column: ValuedColumn[OfAttempt]) -> ValuedColumn[_Game]:
+    def of_game(column: ValuedColumn[OfAttempt]) -> ValuedColumn[GroupedRow]:
         return ValuedColumn(column.described, lambda row: column.value(subject_of(row.group)))
 
     shared = [
@@ -501,7 +501,8 @@ def _who(name: str, role: str, seat: Callable[[G], str], time: Callable[[G], flo
     )
 
 
-def _texts(game: RecordedGroup) -> Iterator[_Text]:
+def texts_in(game: RecordedGroup) -> Iterator[_Text]:
+    """Yield the texts of a game, once for each seat that could read them."""
     entries = [] if game.recording is None else game.recording.team
     for each in entries:
         if not isinstance(said := each.entry, PersonSaid):
@@ -515,7 +516,8 @@ def _texts(game: RecordedGroup) -> Iterator[_Text]:
             yield _Text(game, each.time, said, reader, next(reads, None))
 
 
-def _decisions(game: RecordedGroup) -> Iterator[_Decision]:
+def joint_decisions_in(game: RecordedGroup) -> Iterator[_Decision]:
+    """Yield the decisions on which people voted, with their votes."""
     found: dict[int, _Decision] = {}
     for each in [] if game.recording is None else game.recording.team:
         match each.entry:
