@@ -23,13 +23,13 @@ async def served(
     folder: Path,
     running: RunningGames | None = None,
     window: WindowOfKiosk | None = None,
-    told: list[str] | None = None,
+    reported: list[str] | None = None,
     **changes: object,
 ) -> AsyncIterator[tuple[int, Conductor]]:
     """Serve the study in a folder; yield the port and the conductor. Games outlive the server if `running` is given.
 
-    `window` is the window on this machine, if there is one. `told` receives sentences about problems; if None, there
-    must be none. `changes` are changes of the gateway's options.
+    `window` is the window on this machine, if there is one. `reported` receives sentences about problems; if None,
+    there must be none. `changes` are changes of the gateway's options.
     """
     place, clock = ExperimentFolder(folder), VisitClock()
     design = place.read()
@@ -40,7 +40,7 @@ async def served(
         listening, ready = socket.create_server(("127.0.0.1", 0)), asyncio.Event()
         options = ServerOptions(listening, 2, None, ready.set, running=running)
         options = replace(options, **changes)  # type: ignore[arg-type]
-        problems: list[str] = [] if told is None else told
+        problems: list[str] = [] if reported is None else reported
         serving = asyncio.create_task(
             serve_study(place, design, conductor, clock, problems.append, options, codes, window)
         )
@@ -51,4 +51,4 @@ async def served(
             serving.cancel()
             with suppress(asyncio.CancelledError):
                 await serving
-        assert told is not None or not problems
+        assert reported is not None or not problems

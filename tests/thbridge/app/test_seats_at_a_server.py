@@ -252,7 +252,7 @@ def test_a_researcher_plays_a_seat_until_its_person_is_there(setting: StudySetti
     assert [by for seat, by in taken if seat == "driver"] == [PlayedBy.RESEARCHER, PlayedBy.PERSON]
     assert [by for seat, by in taken if seat == "namer"] == [PlayedBy.PERSON]
     for seat in SEATS:
-        told = reason_of(lab.lost[f"Researcher-{seat}"][0])
-        assert f"a person plays the seat {seat} now; take a seat that is empty, or whose person is away" in told
+        answer = reason_of(lab.lost[f"Researcher-{seat}"][0])
+        assert f"a person plays the seat {seat} now; take a seat that is empty, or whose person is away" in answer
     assert lab.last is not None
     assert_equal_replay(bag, lab.last.tick + 1)

@@ -180,12 +180,12 @@ def test_a_person_at_the_window_and_people_in_browsers_play_one_game_that_surviv
 
 
 def test_the_researcher_reads_that_the_window_was_closed_and_browsers_go_on(folder: Path) -> None:
-    told: list[str] = []
+    reported: list[str] = []
 
     async def run() -> None:
-        async with served(folder, window=ShownWindow(Person(), 0), told=told) as (port, _):
+        async with served(folder, window=ShownWindow(Person(), 0), reported=reported) as (port, _):
             async with asyncio.timeout(60):
-                while not told:
+                while not reported:
                     await asyncio.sleep(0.05)
             browser = await BrowserClient.arrived(port)
             await browser.press_button()
@@ -193,5 +193,5 @@ def test_the_researcher_reads_that_the_window_was_closed_and_browsers_go_on(fold
             await browser.close()
 
     asyncio.run(asyncio.wait_for(run(), 120))
-    (sentence,) = told
+    (sentence,) = reported
     assert sentence.startswith("The window of the study is closed.")
