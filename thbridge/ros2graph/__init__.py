@@ -1,0 +1,1 @@
+"""The ROS 2 graph: nodes, topics, services and actions over DDS or zenoh."""

@@ -1,0 +1,1 @@
+"""Sockets of ROS 2 graphs, and nodes on them."""
