@@ -1,0 +1,379 @@
+"""Copies of messages from ROS 1's serialization to CDR and back, without decoding them.
+
+Most messages of a topic have the same shape: their strings and arrays have the same lengths. The first message of a
+shape gives a plan, which lists the slices of the input and the constant bytes between them. Later messages of the shape
+need one join of these slices. So bytes of strings and numbers are copied unchanged, including NaN and invalid UTF-8.
+
+Source: wiki.ros.org/msg (ROS 1's serialization); DDS-XTypes 1.3, 7.4 (CDR version 1, plain, little-endian).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from operator import itemgetter
+from struct import Struct
+from typing import Any, TypeAlias
+
+CDR_HEAD = b"\x00\x01\x00\x00"
+"""First bytes of a message in CDR: plain, little-endian, no options."""
+MOST_PLANS = 64
+"""Plans that are kept for one type."""
+LONGEST_PLAN = 2000
+"""Slices of the longest plan that is kept. A path of 500 poses needs about this number."""
+
+_U32 = Struct("<I")
+_SIZES = {
+    "bool": 1, "byte": 1, "char": 1, "octet": 1, "int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4,
+    "uint32": 4, "float32": 4, "int64": 8, "uint64": 8, "float64": 8,
+}  # fmt: skip
+_SAME = {"byte": "uint8", "char": "uint8", "octet": "uint8"}
+_LEVELS = {1: 10, 2: 20, 4: 30, 8: 40, 16: 50}
+"""Levels of rosgraph_msgs/Log and of rcl_interfaces/Log: DEBUG, INFO, WARN, ERROR, FATAL."""
+LOG_OF_ROS1, LOG_OF_ROS2 = "rosgraph_msgs/msg/Log", "rcl_interfaces/msg/Log"
+
+FieldDefinitions: TypeAlias = Mapping[str, tuple[Any, Any]]
+"""The attribute `fielddefs` of a type store of rosbags: constants and fields by the name of the type."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Block:
+    """Bytes that are equal in both serializations: a number, or a structure of numbers without padding."""
+
+    size: int
+    align: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Text:
+    """String."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Level:
+    """Level of a log message, which has other numbers in ROS 2."""
+
+    levels: Mapping[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class _Array:
+    """Array of a fixed length, or with its length before it if `count` is None."""
+
+    element: "_Node"
+    count: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class _Structure:
+    """Structure.
+
+    Attributes:
+        source: fields of the source in their order, including fields that only the source has.
+        target: fields of the target in their order. Their position in `source`, or -1 if only the target has them.
+    """
+
+    source: tuple["_Node", ...]
+    target: tuple[tuple["_Node", int], ...]
+
+
+_Node: TypeAlias = _Block | _Text | _Level | _Array | _Structure
+
+
+class MessageCopy:
+    """Function that copies messages of one type from one serialization to the other.
+
+    Fields with equal names correspond. Fields that only the target has are 0 or empty. Fields that only the source has
+    are omitted.
+
+    Args:
+        source: types of the source.
+        source_type: for example "nav_msgs/msg/Odometry".
+        target: types of the target.
+        target_type: name of the same type there.
+        to_cdr: True for messages of ROS 1 that become CDR; False for the other direction.
+
+    Raises:
+        ValueError: fields with equal names have different types, or a type is not supported.
+        KeyError: a type is not defined.
+    """
+
+    def __init__(
+        self, source: FieldDefinitions, source_type: str, target: FieldDefinitions, target_type: str, to_cdr: bool
+    ) -> None:
+        self._to_cdr = to_cdr
+        self._plans: dict[int, list[_Plan]] = {}
+        self._kept = 0
+        if {source_type, target_type} == {LOG_OF_ROS1, LOG_OF_ROS2}:
+            self._node = _log_node(source, target, to_cdr)
+        else:
+            self._node = _structure(source, source_type, target, target_type)
+
+    def __call__(self, data: bytes) -> bytes:
+        """Return the message in the other serialization. Raises ValueError: it does not fit its type."""
+        for plan in self._plans.get(len(data), ()):
+            if plan.lengths(data) == plan.expected:
+                pieces = plan.pieces.copy()
+                pieces[1::2] = plan.slices(data)
+                return b"".join(pieces)
+        return self._copied(data)
+
+    def _copied(self, data: bytes) -> bytes:
+        """Copy a message, and keep its plan."""
+        reader = _Reader(data, not self._to_cdr)
+        value = reader.read(self._node)
+        reader.finish()
+        writer = _Writer(self._to_cdr)
+        writer.write(self._node, value)
+        plan = _Plan.of(reader.lengths, writer)
+        if len(plan.pieces) <= LONGEST_PLAN:
+            if self._kept == MOST_PLANS:
+                self._plans.clear()
+                self._kept = 0
+            self._kept += 1
+            self._plans.setdefault(len(data), []).append(plan)
+        pieces = plan.pieces.copy()
+        pieces[1::2] = plan.slices(data)
+        return b"".join(pieces)
+
+
+@dataclass(frozen=True, slots=True)
+class _Plan:
+    """Plan for messages of one shape.
+
+    Attributes:
+        lengths: function that returns the lengths in a message.
+        expected: the lengths of this shape.
+        slices: function that returns the copied slices of a message.
+        pieces: constant bytes and, at odd places, room for the slices.
+    """
+
+    lengths: "itemgetter[tuple[bytes, ...]]"
+    expected: tuple[bytes, ...]
+    slices: "itemgetter[tuple[bytes, ...]]"
+    pieces: list[bytes]
+
+    @classmethod
+    def of(cls, lengths: list[tuple[slice, bytes]], writer: "_Writer") -> "_Plan":
+        # An itemgetter of at least two slices always returns a tuple.
+        spare = slice(0, 0)
+        places = [spare, spare, *(place for place, _ in lengths)]
+        slices = [spare, spare, *(slice(*span) for span in writer.spans)]
+        pieces = [b""] * 5
+        for constant in writer.constants[:-1]:
+            pieces[-1] = bytes(constant)
+            pieces += [b"", b""]
+        pieces[-1] = bytes(writer.constants[-1])
+        expected = (b"", b"", *(known for _, known in lengths))
+        return cls(itemgetter(*places), expected, itemgetter(*slices), pieces)
+
+
+class _Reader:
+    """Reader that finds the places of a message's fields.
+
+    Attributes:
+        lengths: the places and values of all lengths so far.
+    """
+
+    def __init__(self, data: bytes, is_cdr: bool) -> None:
+        self._data, self._is_cdr = data, is_cdr
+        self._at = self._origin = 0
+        self.lengths: list[tuple[slice, bytes]] = []
+        if is_cdr:
+            if data[:2] != CDR_HEAD[:2]:
+                raise ValueError("the message is not plain CDR in little-endian order")
+            self._at = self._origin = len(CDR_HEAD)
+
+    def read(self, node: _Node) -> Any:
+        """Return the place of a field: start and end, or a list of places."""
+        match node:
+            case _Block(size, align):
+                return self._take(size, align)
+            case _Text():
+                size = self._length()
+                start, end = self._take(size, 1)
+                if self._is_cdr:
+                    if not size or self._data[end - 1]:
+                        raise ValueError("a string does not end with a zero")
+                    self.lengths.append((slice(end - 1, end), b"\x00"))
+                    end -= 1
+                return start, end
+            case _Level():
+                start, end = self._take(1, 1)
+                self.lengths.append((slice(start, end), self._data[start:end]))
+                return self._data[start]
+            case _Array(element, count):
+                count = self._length() if count is None else count
+                if isinstance(element, _Block):
+                    return (*(self._take(count * element.size, element.align) if count else (0, 0)), count)
+                if count > len(self._data) - self._at:
+                    raise ValueError("an array is longer than its message")
+                return [self.read(element) for _ in range(count)]
+            case _Structure(source, _):
+                return [self.read(field) for field in source]
+
+    def finish(self) -> None:
+        """Check that the message ends here. CDR may be padded to a multiple of 4."""
+        left = len(self._data) - self._at
+        if left > (3 if self._is_cdr else 0):
+            raise ValueError(f"{left} bytes follow the last field")
+
+    def _take(self, size: int, align: int) -> tuple[int, int]:
+        if self._is_cdr:
+            self._at += -(self._at - self._origin) % align
+        start, self._at = self._at, self._at + size
+        if self._at > len(self._data):
+            raise ValueError("the message ends too early")
+        return start, self._at
+
+    def _length(self) -> int:
+        start, end = self._take(4, 4)
+        self.lengths.append((slice(start, end), self._data[start:end]))
+        return int(_U32.unpack_from(self._data, start)[0])
+
+
+class _Writer:
+    """Writer that lists the pieces of the copied message.
+
+    Attributes:
+        constants: constant bytes before, between and after the spans.
+        spans: start and end of each copied part of the source.
+    """
+
+    def __init__(self, is_cdr: bool) -> None:
+        self._is_cdr = is_cdr
+        self.constants = [bytearray(CDR_HEAD if is_cdr else b"")]
+        self.spans: list[tuple[int, int]] = []
+        self._size = 0
+
+    def write(self, node: _Node, place: Any) -> None:
+        """Write a field from its place in the source; None for a field that the source does not have."""
+        match node:
+            case _Block(size, align):
+                self._copy(place, size, align)
+            case _Text():
+                start, end = place or (0, 0)
+                self._constant(_U32.pack(end - start + self._is_cdr), 4)
+                self._copy((start, end), end - start, 1)
+                if self._is_cdr:
+                    self._constant(b"\x00", 1)
+            case _Level(levels):
+                self._constant(bytes((levels.get(place, place),)), 1)
+            case _Array(_Block(size, align), fixed):
+                start, end, count = place or (0, 0, fixed or 0)
+                if fixed is None:
+                    self._constant(_U32.pack(count), 4)
+                if count:
+                    self._copy((start, end) if place else None, count * size, align)
+            case _Array(element, fixed):
+                places = place if place is not None else [None] * (fixed or 0)
+                if fixed is None:
+                    self._constant(_U32.pack(len(places)), 4)
+                for each in places:
+                    self.write(element, each)
+            case _Structure(_, target):
+                for field, source in target:
+                    self.write(field, None if place is None or source < 0 else place[source])
+
+    def _copy(self, span: tuple[int, int] | None, size: int, align: int) -> None:
+        if span is None:
+            self._constant(bytes(size), align)
+            return
+        self._align(align)
+        self._size += size
+        if self.spans and not self.constants[-1] and self.spans[-1][1] == span[0]:
+            self.spans[-1] = self.spans[-1][0], span[1]
+        elif size:
+            self.spans.append(span)
+            self.constants.append(bytearray())
+
+    def _constant(self, data: bytes, align: int) -> None:
+        self._align(align)
+        self._size += len(data)
+        self.constants[-1] += data
+
+    def _align(self, align: int) -> None:
+        if self._is_cdr:
+            padding = -self._size % align
+            self._size += padding
+            self.constants[-1] += bytes(padding)
+
+
+def _structure(source: FieldDefinitions, source_type: str, target: FieldDefinitions, target_type: str) -> _Node:
+    """Return the node of a structure: a block if it consists of numbers without padding, the same in both."""
+    ours, theirs = _fields(source, source_type), _fields(target, target_type)
+    numbers = {name: number for number, name in enumerate(ours)}
+    both = {name: _node(source, described, target, theirs[name]) for name, described in ours.items() if name in theirs}
+    if list(ours) == list(theirs):
+        block = _block(tuple(both.values()))
+        if block is not None:
+            return block
+    return _Structure(
+        tuple(both.get(name) or _node(source, described, source, described) for name, described in ours.items()),
+        tuple(
+            (both.get(name) or _node(target, described, target, described), numbers.get(name, -1))
+            for name, described in theirs.items()
+        ),
+    )
+
+
+def _fields(types: FieldDefinitions, name: str) -> dict[str, Any]:
+    return dict(types[name][1])
+
+
+def _block(fields: tuple[_Node, ...]) -> _Block | None:
+    """Return fields as one block, if they are blocks, and CDR puts no padding between or after them."""
+    size, align = 0, 1
+    for field in fields:
+        if isinstance(field, _Array) and field.count and isinstance(field.element, _Block):
+            field = _Block(field.count * field.element.size, field.element.align)
+        if not isinstance(field, _Block) or size % field.align:
+            return None
+        size, align = size + field.size, max(align, field.align)
+    return _Block(size, align) if size and not size % align else None
+
+
+def _node(source: FieldDefinitions, ours: Any, target: FieldDefinitions, theirs: Any) -> _Node:
+    """Return the node of a field, from its descriptions in rosbags' form."""
+    match ours, theirs:
+        case (1, (one, _)), (1, (other, _)) if _SAME.get(one, one) == _SAME.get(other, other):
+            return _Text() if one == "string" else _Block(_SIZES[one], _SIZES[one])
+        case (2, one), (2, other):
+            return _structure(source, one, target, other)
+        case (3, (one, count)), (3, (other, number)) if count == number:
+            return _Array(_node(source, one, target, other), count)
+        case (4, (one, _)), (4, (other, _)):
+            return _Array(_node(source, one, target, other), None)
+    raise ValueError(f"a field is {_described(ours)} in one type and {_described(theirs)} in the other")
+
+
+def _described(field: Any) -> str:
+    """Return the type of a field as a phrase."""
+    match field:
+        case (1, (name, _)) | (2, name):
+            return str(name)
+        case (3, (element, count)):
+            return f"{_described(element)}[{count}]"
+        case (4, (element, _)):
+            return f"{_described(element)}[]"
+    return "unknown"
+
+
+def _log_node(source: FieldDefinitions, target: FieldDefinitions, to_cdr: bool) -> _Node:
+    """Return the node of a log message: in ROS 2, it has only the stamp of the header, and other levels."""
+    ros1, ros2 = (source, target) if to_cdr else (target, source)
+    levels = _LEVELS if to_cdr else {theirs: ours for ours, theirs in _LEVELS.items()}
+    nodes: dict[str, _Node] = {
+        name: _Level(levels) if name == "level" else _node(ros2, described, ros2, described)
+        for name, described in _fields(ros2, LOG_OF_ROS2).items()
+    }
+    fields = _fields(ros1, LOG_OF_ROS1)
+    inside = _fields(ros1, "std_msgs/msg/Header")
+    of_header = tuple(_node(ros1, described, ros1, described) for described in inside.values())
+    topics = _node(ros1, fields["topics"], ros1, fields["topics"])
+    rest = tuple(name for name in fields if name not in {"header", "topics"})
+    flat_ros1 = (*of_header, *(nodes[name] for name in rest), topics)
+    names_ros1 = (*(f"header.{name}" for name in inside), *rest, "topics")
+    order = {name: number for number, name in enumerate(names_ros1)} | {"stamp": names_ros1.index("header.stamp")}
+    if to_cdr:
+        return _Structure(flat_ros1, tuple((node, order[name]) for name, node in nodes.items()))
+    back = {order[name]: number for number, name in enumerate(nodes)}
+    return _Structure(tuple(nodes.values()), tuple((node, back.get(at, -1)) for at, node in enumerate(flat_ros1)))
