@@ -13,6 +13,7 @@ from typing import Protocol, TypeAlias
 from sim.team import Team
 from thbridge.app.compose.recording import build_team_description, build_writer
 from thbridge.app.compose.setting import StudySetting
+from thbridge.app.live_graph.client_messages import ClientRequests
 from thbridge.app.live_graph.live import LiveGraph, on_graph
 from thbridge.app.session.broadcast import Listener
 from thbridge.app.session.watch_requests import WatchRequestHandler
@@ -127,8 +128,9 @@ async def listeners(
     """
     listening: list[Listener] = []
     async with AsyncExitStack() as opened:
+        requests = ClientRequests(ask)
         if options.graph is not None:
-            live = LiveGraph(options.graph, build_team_description(setting, publisher), team, ask, receive_frame)
+            live = LiveGraph(options.graph, build_team_description(setting, publisher), team, requests, receive_frame)
             await opened.enter_async_context(on_graph(live, options.graph, callbacks.joined))
             listening.append(live)
         if options.watch is not None:

@@ -44,6 +44,7 @@ from thbridge.study.noise import (
 )
 from thbridge.study.real_robots import FleetSection, faults_of_fleet
 from thbridge.study.robots_from import RobotsFrom
+from thbridge.study.ros2 import Ros2Section, faults_of_ros2
 from thbridge.study.seats import SeatEntry, TeamSection, faults_of_seats
 from thbridge.study.things import MishapEntry, ThingEntry, faults_of_mishaps, faults_of_things
 from thbridge.text_protocol.values.dialect import Dialect
@@ -374,6 +375,7 @@ class Study:
         "are open to other machines; these protocols have neither keys nor encryption",
     )
     mavlink: MavlinkSection = param(MavlinkSection(), "the robots as MAVLink vehicles, for ground stations")
+    ros2: Ros2Section = param(Ros2Section(), "ROS 2 graph that the session joins with the option --ros2")
     recording: RecordingSection = param(RecordingSection(), "recording of the session in a bag")
     fleet: FleetSection = param(FleetSection(), "real robots: names of their topics and frames")
     world: WorldParameters = param(WorldParameters(), "the simulated robots' true bodies, motors and sensors")
@@ -565,6 +567,7 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
             yield loaded.fault(f"open_to[{index}]", f"{text!r} is not a network", remedy)
     yield from faults_of_fleet(loaded, study.fleet, study.robots)
     yield from faults_of_mavlink(loaded, study.mavlink, study.robots)
+    yield from faults_of_ros2(loaded, study.ros2)
     yield from faults_of_things(loaded, study.things)
     yield from faults_of_mishaps(loaded, study.mishaps, study.robots)
     if study.seats and study.participant.robots is not None:

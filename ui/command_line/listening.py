@@ -1,5 +1,6 @@
 """Addresses of a session in addition to its text server: ROS graph, researchers' windows, ground stations."""
 
+import dataclasses
 from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
@@ -8,6 +9,7 @@ from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.mavlink.files.signing_key import read_signing_key
 from thbridge.mavlink.files.signing_timestamps import TimestampFile
 from thbridge.mavlink.sockets.server import MavlinkPorts
+from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.rosgraph.sockets.joining import GraphAddress, MasterPresence, is_master_uri
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, WATCH_PORT, ListeningAddress, parse_address
 from thbridge.sockets.admission import Admission
@@ -15,7 +17,7 @@ from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.keys import RingKeys
 from thbridge.study.study_file import Study
 from ui.command_line.keys import watch_keys
-from ui.command_line.options import RosOptions, WatchOptions
+from ui.command_line.options import Ros2Options, RosOptions, WatchOptions
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 
 
@@ -28,6 +30,15 @@ def graph_of(options: RosOptions, open_to: Sequence[str] = ()) -> GraphAddress |
         remedy = f"Write, for example, {ROS_MASTER_URI}"
         fail(BAD_INPUT, f"--ros-master: {uri!r} is not the address of a ROS master. {remedy}.")
     return GraphAddress(uri, options.ros_host or LOCALHOST, Admission.to(open_to))
+
+
+def ros2_of(study: Study, options: Ros2Options) -> Ros2Address | None:
+    """Return the ROS 2 graph to join; if None, the session joins no ROS 2 graph."""
+    if not options.join_ros2:
+        return None
+    address = study.ros2.address
+    domain = address.domain if options.ros2_domain is None else options.ros2_domain
+    return dataclasses.replace(address, domain=domain, carrier=options.carrier or address.carrier)
 
 
 def watch_of(

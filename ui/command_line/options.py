@@ -10,6 +10,7 @@ import typer
 
 from thbridge.mavlink.values.options import AutopilotIdentity
 from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.ros2graph.values.address import MOST_DOMAINS, CarrierKind
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, TEXT_SERVER_PORT, WATCH_PORT
 from ui.command_line.terminal import BAD_INPUT, fail
 
@@ -214,6 +215,28 @@ class RosOptions:
             help="Address at which ROS nodes connect to this program (default 127.0.0.1). Any node that can connect "
             "can drive robots.",
         ),
+    ] = None
+
+
+@dataclass(frozen=True, slots=True)
+class Ros2Options:
+    """ROS 2 graph to join. Its other settings are in the study's section `ros2`."""
+
+    join_ros2: Annotated[
+        bool, typer.Option("--ros2", help="Join a ROS 2 graph; see `thbridge docs live-graph-ros2`.")
+    ] = False
+    ros2_domain: Annotated[
+        int | None,
+        typer.Option(
+            envvar="ROS_DOMAIN_ID",
+            min=0,
+            max=MOST_DOMAINS,
+            help="Domain id of the ROS 2 graph (default: 0).",
+        ),
+    ] = None
+    carrier: Annotated[
+        CarrierKind | None,
+        typer.Option(help="Protocol of the ROS 2 graph: `dds` (default), or `zenoh` (with a router)."),
     ] = None
 
 

@@ -1,12 +1,18 @@
 """Conversion of messages of ROS clients into requests to robots."""
 
+import logging
+from collections.abc import Callable
 from itertools import count
 
+from thbridge.app.live_graph.rate_limiter import RateLimiter
 from thbridge.roles.shared.robot_requests import Request
 from thbridge.ros import clients
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.ros.messages.stamps import stamp_ns
+from thbridge.sockets.warn_once import WarnOnce
+
+_log = logging.getLogger(__name__)
 
 
 class ClientMessages:
@@ -60,3 +66,36 @@ class ClientMessages:
         a stamp in the future would block all other clients until that time.
         """
         return min(stamp, stamp_ns(self._tick))
+
+
+class ClientRequests:
+    """Requests of all clients of a session, on ROS 1 and ROS 2 graphs. Their rate is limited.
+
+    Args:
+        ask: callback with the name of a client and its request.
+
+    Attributes:
+        messages: reader of their messages.
+        limiter: limiter of their rate.
+    """
+
+    def __init__(self, ask: Callable[[str, Request], None]) -> None:
+        self.messages = ClientMessages()
+        self.limiter = RateLimiter()
+        self.ask = ask
+        self._complaints = WarnOnce(_log)
+
+    def advance(self, tick: int) -> None:
+        """Store the number of the present tick. The session has processed the requests so far."""
+        self.messages.advance(tick)
+        self.limiter.tick()
+
+    def receive(self, topic: str, read: Callable[[bytes], Request | InvalidMessage], data: bytes, client: str) -> None:
+        """Pass on the request in a message. Log invalid messages once."""
+        if not self.limiter.admits(topic, client):
+            return
+        request = read(data)
+        if isinstance(request, InvalidMessage):
+            self._complaints.warn(f"{topic}: ignoring a message of {client}: {request.sentence}")
+        else:
+            self.ask(client, request)

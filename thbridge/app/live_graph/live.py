@@ -18,10 +18,9 @@ from sim.inputs import ClearCostmaps, GlobalLocalization, NomotionUpdate, SetPos
 from sim.numerics.float_array import FloatArray
 from sim.robot.global_planning.path import PlanRefusal as NoPlan
 from sim.team import Team
-from thbridge.app.live_graph.client_messages import ClientMessages
+from thbridge.app.live_graph.client_messages import ClientRequests
 from thbridge.app.live_graph.live_loggers import offer_loggers
 from thbridge.app.live_graph.live_parameters import LiveParameters, sendable
-from thbridge.app.live_graph.rate_limiter import RateLimiter
 from thbridge.app.live_graph.typed_node import TypedNode
 from thbridge.app.session.mavros import frame_in
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
@@ -74,7 +73,7 @@ class LiveGraph:
         graph: the ROS graph.
         description: description of the team.
         team: robots of the team.
-        ask: callback with the name of a client and its request.
+        requests: requests of all clients of the session.
         receive_frame: callback with the index of a robot and a MAVLink frame; None if robots are not MAVLink vehicles.
     """
 
@@ -83,17 +82,17 @@ class LiveGraph:
         graph: GraphAddress,
         description: TeamDescription,
         team: Team,
-        ask: Callable[[str, Request], None],
+        requests: ClientRequests,
         receive_frame: Callable[[int, Frame], None] | None = None,
     ) -> None:
         node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._on_shutdown, admission=graph.admission)
         self._node = TypedNode(node, Definitions(ROS_SHARES))
         self._description = description
         self._team = team
-        self._ask = ask
+        self._requests = requests
+        self._ask = requests.ask
         self._robots = [RobotNames.of(robot) for robot in range(len(team.parameters))]
-        self._messages = ClientMessages()
-        self._limiter = RateLimiter()
+        self._limiter = requests.limiter
         self._turns = RequestQueue()
         self._complaints = WarnOnce(_log)
         self._tick = 0
@@ -125,7 +124,7 @@ class LiveGraph:
         node.declare_param(names.USE_SIM_TIME, True)
         node.declare_param(CALLER, sendable(description.rest))
         self._parameters = LiveParameters(
-            self._node, team.parameters, description.body, self._limiter, ask, description.external
+            self._node, team.parameters, description.body, self._limiter, self._ask, description.external
         )
         if self._external.amcl:
             self._declare_starts()
@@ -159,8 +158,7 @@ class LiveGraph:
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
         """Publish the messages of one tick; the clock is the first message."""
         self._tick = tick
-        self._messages.advance(tick)
-        self._limiter.tick()
+        self._requests.advance(tick)
         self._parameters.follow(self._team.parameters)
         self._publications[CLOCK.name].publish(pack.clock(tick))
         for message in messages:
@@ -207,12 +205,13 @@ class LiveGraph:
     # Messages of clients
 
     def _subscribe_to_clients(self, robot: int, named: RobotNames) -> None:
+        messages = self._requests.messages
         for topic, msgtype, read in (
-            ("initialpose", types.POSE_WITH_COVARIANCE, self._messages.pose),
-            ("cmd_vel", types.TWIST, self._messages.velocity),
-            ("move_base_simple/goal", types.POSE_STAMPED, self._messages.simple_goal),
-            ("move_base/goal", types.MOVE_BASE_GOAL, self._messages.goal),
-            ("move_base/cancel", types.GOAL_ID, self._messages.cancel),
+            ("initialpose", types.POSE_WITH_COVARIANCE, messages.pose),
+            ("cmd_vel", types.TWIST, messages.velocity),
+            ("move_base_simple/goal", types.POSE_STAMPED, messages.simple_goal),
+            ("move_base/goal", types.MOVE_BASE_GOAL, messages.goal),
+            ("move_base/cancel", types.GOAL_ID, messages.cancel),
         ):
             name = named.topic(topic)
             if topic != "cmd_vel" and self._is_external(name):
@@ -222,15 +221,8 @@ class LiveGraph:
     def _receive_request(
         self, topic: str, read: Callable[[bytes], Request | InvalidMessage], data: bytes, caller: str
     ) -> None:
-        if caller == CALLER:
-            return  # The game sends its own goals and commands on the same topics.
-        if not self._limiter.admits(topic, caller):
-            return
-        request = read(data)
-        if isinstance(request, InvalidMessage):
-            self._complaints.warn(f"{topic}: ignoring a message of {caller}: {request.sentence}")
-        else:
-            self._ask(caller, request)
+        if caller != CALLER:  # The game sends its own goals and commands on the same topics.
+            self._requests.receive(topic, read, data, caller)
 
     def _subscribe_to_stations(self, robot: int, receive: Callable[[int, Frame], None]) -> None:
         topic = VehicleTopics(self._robots[robot]).received

@@ -14,6 +14,7 @@ from thbridge.app.compose.recording import build_publisher, build_record, build_
 from thbridge.app.compose.robots import build_simr, build_team, vehicle_factory
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.live_graph import live
+from thbridge.app.live_graph.client_messages import ClientRequests
 from thbridge.app.live_graph.live import LiveGraph
 from thbridge.app.play import PLAY
 from thbridge.app.session.broadcast import Broadcast
@@ -90,7 +91,9 @@ class Visited:
         monkeypatch.setattr(live, "RosNode", doors)
         team, publisher = build_team(setting), build_publisher(setting)
         simr = build_simr(setting, team)
-        graph = LiveGraph(GraphAddress(), build_team_description(setting, publisher), team, self.ask, self._hear)
+        graph = LiveGraph(
+            GraphAddress(), build_team_description(setting, publisher), team, ClientRequests(self.ask), self._hear
+        )
         self.doors = made[0]
         self.writer = build_writer(setting, bag)
         record = build_record(setting, PLAY, [legacy.SIMR, legacy.HIDER], "")
