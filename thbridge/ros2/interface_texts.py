@@ -1,0 +1,234 @@
+"""Definitions of ROS 2 types that the library rosbags lacks, or whose default values it omits, without comments.
+
+Each text has the fields and constants of the .msg, .srv or .action file of the same name. Sources: ros2/rcl_interfaces,
+ros2/common_interfaces, ros-navigation/navigation2, mavlink/mavros, robot_localization.
+
+Jazzy and Kilted have different definitions of these types:
+
+* nav2_msgs/action/NavigateToPose: Kilted has more error codes. The fields are the same, so the hash is the same.
+* nav2_msgs/action/FollowWaypoints: Kilted has more error codes, and reports missed waypoints as WaypointStatus.
+* nav2_msgs/action/NavigateThroughPoses: Kilted has nav_msgs/Goals as its goal, and reports the status of each waypoint.
+* nav2_msgs/msg/MissedWaypoint exists only in Jazzy; nav2_msgs/msg/WaypointStatus and nav_msgs/msg/Goals only in Kilted.
+
+All other types are the same in both.
+"""
+
+from thbridge.ros.messages.definition_texts import ROS_TEXTS
+from thbridge.ros.messages.types import OWN_TEXTS
+
+_COMMON = {
+    "geometry_msgs/msg/Quaternion": "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1",
+    "rcl_interfaces/msg/ParameterDescriptor": """\
+string name
+uint8 type
+string description
+string additional_constraints
+bool read_only false
+bool dynamic_typing false
+FloatingPointRange[<=1] floating_point_range
+IntegerRange[<=1] integer_range
+""",
+    "rcl_interfaces/srv/DescribeParameters": "string[] names\n---\nParameterDescriptor[] descriptors",
+    "rcl_interfaces/srv/GetLoggerLevels": "string[] names\n---\nLoggerLevel[] levels",
+    "rcl_interfaces/srv/GetParameterTypes": "string[] names\n---\nuint8[] types",
+    "rcl_interfaces/srv/GetParameters": "string[] names\n---\nParameterValue[] values",
+    "rcl_interfaces/srv/ListParameters": "uint64 DEPTH_RECURSIVE=0\nstring[] prefixes\nuint64 depth\n---\n"
+    "ListParametersResult result",
+    "rcl_interfaces/srv/SetLoggerLevels": "LoggerLevel[] levels\n---\nSetLoggerLevelsResult[] results",
+    "rcl_interfaces/srv/SetParameters": "Parameter[] parameters\n---\nSetParametersResult[] results",
+    "rcl_interfaces/srv/SetParametersAtomically": "Parameter[] parameters\n---\nSetParametersResult result",
+    "type_description_interfaces/srv/GetTypeDescription": """\
+string type_name
+string type_hash
+bool include_type_sources true
+---
+bool successful
+string failure_reason
+TypeDescription type_description
+TypeSource[] type_sources
+KeyValue[] extra_information
+""",
+    "action_msgs/srv/CancelGoal": """\
+GoalInfo goal_info
+---
+int8 ERROR_NONE=0
+int8 ERROR_REJECTED=1
+int8 ERROR_UNKNOWN_GOAL_ID=2
+int8 ERROR_GOAL_TERMINATED=3
+int8 return_code
+GoalInfo[] goals_canceling
+""",
+    "lifecycle_msgs/srv/GetState": "---\nState current_state",
+    "std_srvs/srv/Empty": "---",
+    "std_srvs/srv/SetBool": "bool data\n---\nbool success\nstring message",
+    "std_srvs/srv/Trigger": "---\nbool success\nstring message",
+    "nav_msgs/srv/GetMap": "---\nOccupancyGrid map",
+    "nav_msgs/srv/GetPlan": "geometry_msgs/PoseStamped start\ngeometry_msgs/PoseStamped goal\nfloat32 tolerance\n---\n"
+    "Path plan",
+    "nav_msgs/srv/SetMap": "OccupancyGrid map\ngeometry_msgs/PoseWithCovarianceStamped initial_pose\n---\nbool success",
+    "robot_localization/srv/SetPose": "geometry_msgs/PoseWithCovarianceStamped pose\n---",
+    "nav2_msgs/msg/Particle": "geometry_msgs/Pose pose\nfloat64 weight",
+    "nav2_msgs/msg/ParticleCloud": "std_msgs/Header header\nParticle[] particles",
+    "nav2_msgs/msg/CostmapMetaData": """\
+builtin_interfaces/Time map_load_time
+builtin_interfaces/Time update_time
+string layer
+float32 resolution
+uint32 size_x
+uint32 size_y
+geometry_msgs/Pose origin
+""",
+    "nav2_msgs/msg/Costmap": "std_msgs/Header header\nCostmapMetaData metadata\nuint8[] data",
+    "nav2_msgs/srv/ClearEntireCostmap": "std_msgs/Empty request\n---\nstd_msgs/Empty response",
+    "nav2_msgs/srv/ClearCostmapAroundRobot": "float32 reset_distance\n---\nstd_msgs/Empty response",
+    "nav2_msgs/srv/ClearCostmapExceptRegion": "float32 reset_distance\n---\nstd_msgs/Empty response",
+    "nav2_msgs/srv/GetCostmap": "CostmapMetaData specs\n---\nCostmap map",
+    "nav2_msgs/srv/LoadMap": """\
+string map_url
+---
+uint8 RESULT_SUCCESS=0
+uint8 RESULT_MAP_DOES_NOT_EXIST=1
+uint8 RESULT_INVALID_MAP_DATA=2
+uint8 RESULT_INVALID_MAP_METADATA=3
+uint8 RESULT_UNDEFINED_FAILURE=255
+nav_msgs/OccupancyGrid map
+uint8 result
+""",
+    "nav2_msgs/srv/SetInitialPose": "geometry_msgs/PoseWithCovarianceStamped pose\n---",
+    "nav2_msgs/action/ComputePathToPose": """\
+geometry_msgs/PoseStamped goal
+geometry_msgs/PoseStamped start
+string planner_id
+bool use_start
+---
+uint16 NONE=0
+uint16 UNKNOWN=200
+uint16 INVALID_PLANNER=201
+uint16 TF_ERROR=202
+uint16 START_OUTSIDE_MAP=203
+uint16 GOAL_OUTSIDE_MAP=204
+uint16 START_OCCUPIED=205
+uint16 GOAL_OCCUPIED=206
+uint16 TIMEOUT=207
+uint16 NO_VALID_PATH=208
+nav_msgs/Path path
+builtin_interfaces/Duration planning_time
+uint16 error_code
+string error_msg
+---
+""",
+    "mavros_msgs/msg/Mavlink": ROS_TEXTS["mavros_msgs/Mavlink"]
+    .replace("uint64[] payload64", "uint64[<=33] payload64")
+    .replace("uint8[] signature", "uint8[<=13] signature"),
+    "mavros_msgs/msg/State": ROS_TEXTS["mavros_msgs/State"],
+    **{name.replace("/", "/msg/"): text for name, text in OWN_TEXTS.items()},
+}
+
+_NAVIGATION_FEEDBACK = """\
+geometry_msgs/PoseStamped current_pose
+builtin_interfaces/Duration navigation_time
+builtin_interfaces/Duration estimated_time_remaining
+int16 number_of_recoveries
+float32 distance_remaining
+"""
+
+_JAZZY = {
+    "nav2_msgs/msg/MissedWaypoint": "uint32 index\ngeometry_msgs/PoseStamped goal\nuint16 error_code",
+    "nav2_msgs/action/NavigateToPose": f"""\
+geometry_msgs/PoseStamped pose
+string behavior_tree
+---
+uint16 NONE=0
+uint16 error_code
+string error_msg
+---
+{_NAVIGATION_FEEDBACK}""",
+    "nav2_msgs/action/NavigateThroughPoses": f"""\
+geometry_msgs/PoseStamped[] poses
+string behavior_tree
+---
+uint16 NONE=0
+uint16 error_code
+string error_msg
+---
+{_NAVIGATION_FEEDBACK}int16 number_of_poses_remaining
+""",
+    "nav2_msgs/action/FollowWaypoints": """\
+uint32 number_of_loops
+uint32 goal_index 0
+geometry_msgs/PoseStamped[] poses
+---
+uint16 NONE=0
+uint16 UNKNOWN=600
+uint16 TASK_EXECUTOR_FAILED=601
+MissedWaypoint[] missed_waypoints
+uint16 error_code
+string error_msg
+---
+uint32 current_waypoint
+""",
+}
+
+_KILTED = {
+    "nav2_msgs/msg/WaypointStatus": """\
+uint8 PENDING=0
+uint8 COMPLETED=1
+uint8 SKIPPED=2
+uint8 FAILED=3
+uint8 waypoint_status
+uint32 waypoint_index
+geometry_msgs/PoseStamped waypoint_pose
+uint16 error_code
+string error_msg
+""",
+    "nav2_msgs/action/NavigateToPose": f"""\
+geometry_msgs/PoseStamped pose
+string behavior_tree
+---
+uint16 NONE=0
+uint16 UNKNOWN=9000
+uint16 FAILED_TO_LOAD_BEHAVIOR_TREE=9001
+uint16 TF_ERROR=9002
+uint16 TIMEOUT=9003
+uint16 error_code
+string error_msg
+---
+{_NAVIGATION_FEEDBACK}""",
+    "nav2_msgs/action/NavigateThroughPoses": f"""\
+nav_msgs/Goals poses
+string behavior_tree
+---
+uint16 NONE=0
+uint16 UNKNOWN=9100
+uint16 FAILED_TO_LOAD_BEHAVIOR_TREE=9101
+uint16 TF_ERROR=9102
+uint16 TIMEOUT=9103
+uint16 error_code
+string error_msg
+WaypointStatus[] waypoint_statuses
+---
+{_NAVIGATION_FEEDBACK}int16 number_of_poses_remaining
+WaypointStatus[] waypoint_statuses
+""",
+    "nav2_msgs/action/FollowWaypoints": """\
+uint32 number_of_loops
+uint32 goal_index 0
+geometry_msgs/PoseStamped[] poses
+---
+uint16 NONE=0
+uint16 UNKNOWN=600
+uint16 TASK_EXECUTOR_FAILED=601
+uint16 NO_VALID_WAYPOINTS=602
+uint16 STOP_ON_MISSED_WAYPOINT=603
+WaypointStatus[] missed_waypoints
+uint16 error_code
+string error_msg
+---
+uint32 current_waypoint
+""",
+}
+
+JAZZY_TEXTS = {**_COMMON, **_JAZZY}
+"""Definitions of Jazzy, by name."""
+KILTED_TEXTS = {**_COMMON, **_KILTED}
+"""Definitions of Kilted, by name."""
