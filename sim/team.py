@@ -48,6 +48,7 @@ from sim.robot.localization.amcl import Amcl
 from sim.robot.localization.estimate import Localizer, propagated
 from sim.robot.localization.fake_localization import FakeLocalization
 from sim.robot.navigator.move_base import Navigator
+from sim.robot.navigator.navigation import Navigation
 from sim.robot.navigator.recovery import RecoveryProgress
 from sim.robot.software import Robot, RobotOutput
 from sim.world.physics import Misplaced, World, WorldState, with_charge, with_noise, with_thing, without_thing
@@ -224,6 +225,11 @@ class Team:
     def recoveries(self) -> tuple[RecoveryProgress, ...]:
         """Progress of each robot's recovery."""
         return tuple(robot.navigator.recovery for robot in self._robots)
+
+    def navigation(self, robot: int) -> Navigation | None:
+        """Return what a robot's navigator did in the present tick; None before the first tick, and for a dead robot."""
+        output = self._outputs[robot]
+        return None if output is None or robot in self._dead else output.navigation
 
     @property
     def worlds(self) -> tuple[WorldParameters, ...]:

@@ -16,10 +16,14 @@ _log = logging.getLogger(__name__)
 
 
 class ClientMessages:
-    """Reader of clients' messages, which gives numbers to goals in the order of reading."""
+    """Reader of clients' messages, which gives numbers to goals in the order of reading.
+
+    Attributes:
+        numbers: numbers of the next goals.
+    """
 
     def __init__(self) -> None:
-        self._goals = count()
+        self.numbers = count()
         self._tick = 0
 
     def advance(self, tick: int) -> None:
@@ -39,14 +43,14 @@ class ClientMessages:
     def simple_goal(self, robot: int, data: bytes) -> Request | InvalidMessage:
         """Return the request in a message on the topic `move_base_simple/goal`."""
         found = clients.goal_pose(data)
-        return found if isinstance(found, InvalidMessage) else SimpleGoal(robot, found, next(self._goals))
+        return found if isinstance(found, InvalidMessage) else SimpleGoal(robot, found, next(self.numbers))
 
     def goal(self, robot: int, data: bytes) -> Request | InvalidMessage:
         """Return the request in a message on the topic `move_base/goal`."""
         found = clients.action_goal(data)
         if isinstance(found, InvalidMessage):
             return found
-        number, stamp = next(self._goals), self._not_ahead(found.stamp_ns)
+        number, stamp = next(self.numbers), self._not_ahead(found.stamp_ns)
         if isinstance(found.pose, InvalidMessage):
             # A goal without a valid pose is also passed on, because the client waits for a result.
             return GoalRequest(robot, found.goal_id, stamp, None, number, found.pose.sentence)

@@ -1,0 +1,199 @@
+"""Topics of a session on a ROS 2 graph: names, types and quality of service of Nav2, made from the topics of ROS 1.
+
+Frames keep the names that they have in ROS 1, such as robot1/odom. Transforms are published twice: of all robots on
+/tf and /tf_static, and of each robot in its namespace, where Nav2's nodes expect them.
+
+Source: ros-navigation/navigation2: nav2_amcl, nav2_map_server, nav2_planner, nav2_controller, nav2_costmap_2d;
+ros2/geometry2, tf2_ros/qos.hpp. Differences from Nav2: /clock is reliable, so that all subscriptions get it.
+Plans are latched, because they are only published after a change.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeAlias
+
+import numpy as np
+
+from thbridge.ros import names
+from thbridge.ros.messages import pack, types, unpack
+from thbridge.ros.messages.cursor import UINT32, Cursor
+from thbridge.ros.names import RobotNames
+from thbridge.ros.topics import CLOCK, RosMessage, Topic
+from thbridge.ros2.distribution import Distribution
+from thbridge.ros2.qos import DEFAULT, LATCHED, ROSOUT, SENSOR_DATA, TF, QosProfile
+
+SESSION_NODE = "/thbridge"
+PARTICLE_CLOUD = "nav2_msgs/msg/ParticleCloud"
+TWIST, TWIST_STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
+
+Convert: TypeAlias = Callable[[RosMessage], bytes]
+"""Function that returns a message of ROS 1 in CDR."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ros2Topic:
+    """Topic of a session on a ROS 2 graph.
+
+    Attributes:
+        name: for example "/robot1/scan".
+        type: for example "sensor_msgs/msg/LaserScan".
+        qos: quality of service that is offered.
+        node: full name of the node that publishes it.
+    """
+
+    name: str
+    type: str
+    qos: QosProfile
+    node: str = SESSION_NODE
+
+
+LEFT_OUT = {
+    names.MAP_METADATA: "it is part of the map",
+    "initialpose": "it has only messages of clients",
+    "move_base_simple/goal": "clients publish goal_pose",
+    "move_base/goal": "the action navigate_to_pose replaces it",
+    "move_base/cancel": "the action navigate_to_pose replaces it",
+    "move_base/status": "the action navigate_to_pose replaces it",
+    "move_base/feedback": "the action navigate_to_pose replaces it",
+    "move_base/result": "the action navigate_to_pose replaces it",
+}
+"""Topics of ROS 1 that do not exist on ROS 2 graphs, with the reasons. Topics of robots have no namespace here."""
+
+_COMMAND = QosProfile(1)
+_PLACES = {
+    "amcl_pose": ("amcl_pose", "amcl", LATCHED),
+    "particlecloud": ("particle_cloud", "amcl", SENSOR_DATA),
+    "scan": ("scan", "", SENSOR_DATA),
+    "battery": ("battery_state", "", DEFAULT),
+    "cmd_vel": ("cmd_vel", "controller_server", _COMMAND),
+    "plan": ("plan", "planner_server", LATCHED),
+    "local_plan": ("local_plan", "controller_server", LATCHED),
+    "move_base/global_costmap/costmap": ("global_costmap/costmap", "global_costmap/global_costmap", LATCHED),
+    "move_base/local_costmap/costmap": ("local_costmap/costmap", "local_costmap/local_costmap", LATCHED),
+    "move_base/global_costmap/footprint": (
+        "global_costmap/published_footprint",
+        "global_costmap/global_costmap",
+        DEFAULT,
+    ),
+    "move_base/local_costmap/footprint": ("local_costmap/published_footprint", "local_costmap/local_costmap", DEFAULT),
+}
+"""Name, node and quality of service of robots' topics that differ from the usual: the same name, our node, default."""
+
+
+class SessionTopics:
+    """Topics of a session on a ROS 2 graph.
+
+    Args:
+        distribution: message types.
+        topics: topics of the session in ROS 1, without the clock.
+        robots: number of robots.
+
+    Attributes:
+        all: all topics of the graph.
+        left_out: topics of ROS 1 that have no topic on the graph.
+    """
+
+    def __init__(self, distribution: Distribution, topics: Sequence[Topic], robots: int) -> None:
+        self._distribution = distribution
+        self._robots = [RobotNames.of(robot) for robot in range(robots)]
+        self._targets: dict[str, list[tuple[Ros2Topic, Convert]]] = {}
+        self.left_out: list[str] = []
+        for topic in (CLOCK, *topics):
+            targets = list(self._targets_of(topic))
+            self._targets[topic.name] = targets
+            if not targets:
+                self.left_out.append(topic.name)
+        self.all = tuple(target for targets in self._targets.values() for target, _ in targets)
+
+    def targets(self, topic: Topic) -> Sequence[tuple[Ros2Topic, Convert]]:
+        """Return the topics of the graph for a topic of the session, each with its conversion."""
+        return self._targets.get(topic.name, ())
+
+    def _targets_of(self, topic: Topic) -> Iterator[tuple[Ros2Topic, Convert]]:
+        within = self._within(topic.name)
+        word = topic.name if within is None else within[1]
+        if word in LEFT_OUT:
+            return
+        if within is not None:
+            yield self._target_of_robot(topic, *within)
+            return
+        kind = _type_of(topic.msgtype)
+        convert = self._converter(topic.msgtype, kind)
+        qos = {names.TF: TF, names.ROSOUT: ROSOUT}.get(topic.name, LATCHED if topic.latched else DEFAULT)
+        yield Ros2Topic(topic.name, kind, qos), convert
+        for robot in self._robots:
+            own = robot.topic(topic.name[1:])
+            if topic.name == names.MAP:
+                yield Ros2Topic(own, kind, qos, robot.topic("map_server")), convert
+            elif topic.name in {names.TF, names.TF_STATIC}:
+                yield Ros2Topic(own, kind, qos), partial(_transforms_of, convert, f"{robot.namespace[1:]}/")
+
+    def _within(self, name: str) -> tuple[RobotNames, str] | None:
+        """Return the robot of a topic, and the rest of the topic's name; None for topics of the team."""
+        for robot in self._robots:
+            if name.startswith(f"{robot.namespace}/"):
+                return robot, name.removeprefix(f"{robot.namespace}/")
+        return None
+
+    def _target_of_robot(self, topic: Topic, robot: RobotNames, word: str) -> tuple[Ros2Topic, Convert]:
+        last = word.rpartition("/")[2]
+        # The topics of plans contain the names of planners.
+        place = _PLACES.get(last if topic.msgtype == types.PATH else word)
+        usual = word, "", LATCHED if topic.latched else DEFAULT
+        name, node, qos = place or usual
+        kind, convert = self._kind_of(topic, word)
+        return Ros2Topic(robot.topic(name), kind, qos, robot.topic(node) if node else SESSION_NODE), convert
+
+    def _kind_of(self, topic: Topic, word: str) -> tuple[str, Convert]:
+        if word == "particlecloud":
+            return PARTICLE_CLOUD, _particle_cloud
+        if word == "cmd_vel" and self._distribution.name != "jazzy":
+            # Since Kilted, Nav2's velocity commands have a time stamp.
+            convert = self._distribution.from_ros1("geometry_msgs/TwistStamped", TWIST_STAMPED)
+            return TWIST_STAMPED, partial(_stamped_twist, convert)
+        kind = _type_of(topic.msgtype)
+        return kind, self._converter(topic.msgtype, kind)
+
+    def _converter(self, ros1_type: str, kind: str) -> Convert:
+        convert = self._distribution.from_ros1(ros1_type, kind)
+        return lambda message: convert(message.data)
+
+
+def _type_of(ros1_type: str) -> str:
+    """Return the type of ROS 2 for a type of ROS 1."""
+    if ros1_type == types.LOG:
+        return "rcl_interfaces/msg/Log"
+    package, _, name = ros1_type.partition("/")
+    return f"{package}/msg/{name}"
+
+
+def _transforms_of(convert: Convert, prefix: str, message: RosMessage) -> bytes:
+    """Return the transforms of one robot, whose child frames have this prefix or have a parent frame with it."""
+    pieces = []
+    for parent, piece in unpack.transform_pieces(message.data):
+        child = Cursor.behind_header(piece).string()
+        if child.startswith(prefix) or parent.startswith(prefix):
+            pieces.append(piece)
+    return convert(message._replace(data=pack.stamped_transforms(pieces)))
+
+
+def _stamped_twist(convert: Callable[[bytes], bytes], message: RosMessage) -> bytes:
+    seconds, nanoseconds = divmod(message.stamp_ns, 1_000_000_000)
+    header = UINT32.pack(0) + UINT32.pack(seconds) + UINT32.pack(nanoseconds) + UINT32.pack(0)
+    return convert(header + message.data)
+
+
+def _particle_cloud(message: RosMessage) -> bytes:
+    """Return geometry_msgs/PoseArray as nav2_msgs/ParticleCloud, whose particles have equal weights."""
+    cursor = Cursor(message.data)
+    stamp_ns, frame = cursor.header()
+    count = cursor.integer(UINT32)
+    weighted = np.empty((count, 8), dtype="<f8")
+    weighted[:, :7] = cursor.reals(7 * count).reshape(count, 7)
+    weighted[:, 7] = 1.0 / max(count, 1)
+    text = frame.encode() + b"\0"
+    seconds, nanoseconds = divmod(stamp_ns, 1_000_000_000)
+    head = UINT32.pack(seconds) + UINT32.pack(nanoseconds) + UINT32.pack(len(text)) + text
+    head += bytes(-len(head) % 4) + UINT32.pack(count)
+    return b"\0\1\0\0" + head + (bytes(-len(head) % 8) + weighted.tobytes() if count else b"")
