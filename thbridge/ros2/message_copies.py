@@ -7,11 +7,14 @@ need one join of these slices. So bytes of strings and numbers are copied unchan
 Source: wiki.ros.org/msg (ROS 1's serialization); DDS-XTypes 1.3, 7.4 (CDR version 1, plain, little-endian).
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from itertools import starmap
 from operator import itemgetter
 from struct import Struct
-from typing import Any, TypeAlias
+from typing import TypeAlias, cast
+
+from rosbags.interfaces.typing import FieldDesc, Typesdict
 
 CDR_HEAD = b"\x00\x01\x00\x00"
 """First bytes of a message in CDR: plain, little-endian, no options."""
@@ -29,9 +32,6 @@ _SAME = {"byte": "uint8", "char": "uint8", "octet": "uint8"}
 _LEVELS = {1: 10, 2: 20, 4: 30, 8: 40, 16: 50}
 """Levels of rosgraph_msgs/Log and of rcl_interfaces/Log: DEBUG, INFO, WARN, ERROR, FATAL."""
 LOG_OF_ROS1, LOG_OF_ROS2 = "rosgraph_msgs/msg/Log", "rcl_interfaces/msg/Log"
-
-FieldDefinitions: TypeAlias = Mapping[str, tuple[Any, Any]]
-"""The attribute `fielddefs` of a type store of rosbags: constants and fields by the name of the type."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +76,10 @@ class _Structure:
 
 
 _Node: TypeAlias = _Block | _Text | _Level | _Array | _Structure
+_Span: TypeAlias = tuple[int, int]
+"""Start and end of bytes in a message."""
+_Place: TypeAlias = "_Span | int | list[_Place] | None"
+"""Place of a field in a message, the value of a level, or None for a field that the source does not have."""
 
 
 class MessageCopy:
@@ -96,9 +100,7 @@ class MessageCopy:
         KeyError: a type is not defined.
     """
 
-    def __init__(
-        self, source: FieldDefinitions, source_type: str, target: FieldDefinitions, target_type: str, to_cdr: bool
-    ) -> None:
+    def __init__(self, source: Typesdict, source_type: str, target: Typesdict, target_type: str, to_cdr: bool) -> None:
         self._to_cdr = to_cdr
         self._plans: dict[int, list[_Plan]] = {}
         self._kept = 0
@@ -146,24 +148,28 @@ class _Plan:
         pieces: constant bytes and, at odd places, room for the slices.
     """
 
-    lengths: "itemgetter[tuple[bytes, ...]]"
+    lengths: Callable[[bytes], tuple[bytes, ...]]
     expected: tuple[bytes, ...]
-    slices: "itemgetter[tuple[bytes, ...]]"
+    slices: Callable[[bytes], tuple[bytes, ...]]
     pieces: list[bytes]
 
     @classmethod
-    def of(cls, lengths: list[tuple[slice, bytes]], writer: "_Writer") -> "_Plan":
-        # An itemgetter of at least two slices always returns a tuple.
-        spare = slice(0, 0)
-        places = [spare, spare, *(place for place, _ in lengths)]
-        slices = [spare, spare, *(slice(*span) for span in writer.spans)]
+    def of(cls, lengths: list[tuple[_Span, bytes]], writer: "_Writer") -> "_Plan":
         pieces = [b""] * 5
         for constant in writer.constants[:-1]:
             pieces[-1] = bytes(constant)
             pieces += [b"", b""]
         pieces[-1] = bytes(writer.constants[-1])
         expected = (b"", b"", *(known for _, known in lengths))
-        return cls(itemgetter(*places), expected, itemgetter(*slices), pieces)
+        return cls(_picker(place for place, _ in lengths), expected, _picker(writer.spans), pieces)
+
+
+def _picker(spans: Iterable[_Span]) -> Callable[[bytes], tuple[bytes, ...]]:
+    """Return a function that returns two empty slices of its argument, and the slices of these spans.
+
+    With the two empty slices, the result is always a tuple.
+    """
+    return itemgetter(slice(0, 0), slice(0, 0), *starmap(slice, spans))
 
 
 class _Reader:
@@ -176,14 +182,14 @@ class _Reader:
     def __init__(self, data: bytes, is_cdr: bool) -> None:
         self._data, self._is_cdr = data, is_cdr
         self._at = self._origin = 0
-        self.lengths: list[tuple[slice, bytes]] = []
+        self.lengths: list[tuple[_Span, bytes]] = []
         if is_cdr:
             if data[:2] != CDR_HEAD[:2]:
                 raise ValueError("the message is not plain CDR in little-endian order")
             self._at = self._origin = len(CDR_HEAD)
 
-    def read(self, node: _Node) -> Any:
-        """Return the place of a field: start and end, or a list of places."""
+    def read(self, node: _Node) -> _Place:
+        """Return the place of a field; for structures and arrays of other than blocks, a list of places."""
         match node:
             case _Block(size, align):
                 return self._take(size, align)
@@ -193,17 +199,17 @@ class _Reader:
                 if self._is_cdr:
                     if not size or self._data[end - 1]:
                         raise ValueError("a string does not end with a zero")
-                    self.lengths.append((slice(end - 1, end), b"\x00"))
+                    self.lengths.append(((end - 1, end), b"\x00"))
                     end -= 1
                 return start, end
             case _Level():
                 start, end = self._take(1, 1)
-                self.lengths.append((slice(start, end), self._data[start:end]))
+                self.lengths.append(((start, end), self._data[start:end]))
                 return self._data[start]
             case _Array(element, count):
                 count = self._length() if count is None else count
                 if isinstance(element, _Block):
-                    return (*(self._take(count * element.size, element.align) if count else (0, 0)), count)
+                    return self._take(count * element.size, element.align) if count else (0, 0)
                 if count > len(self._data) - self._at:
                     raise ValueError("an array is longer than its message")
                 return [self.read(element) for _ in range(count)]
@@ -226,7 +232,7 @@ class _Reader:
 
     def _length(self) -> int:
         start, end = self._take(4, 4)
-        self.lengths.append((slice(start, end), self._data[start:end]))
+        self.lengths.append(((start, end), self._data[start:end]))
         return int(_U32.unpack_from(self._data, start)[0])
 
 
@@ -244,34 +250,35 @@ class _Writer:
         self.spans: list[tuple[int, int]] = []
         self._size = 0
 
-    def write(self, node: _Node, place: Any) -> None:
-        """Write a field from its place in the source; None for a field that the source does not have."""
+    def write(self, node: _Node, place: _Place) -> None:
+        """Write a field from its place in the source."""
         match node:
             case _Block(size, align):
-                self._copy(place, size, align)
+                self._copy(cast(_Span | None, place), size, align)
             case _Text():
-                start, end = place or (0, 0)
+                start, end = cast(_Span, place or (0, 0))
                 self._constant(_U32.pack(end - start + self._is_cdr), 4)
                 self._copy((start, end), end - start, 1)
                 if self._is_cdr:
                     self._constant(b"\x00", 1)
             case _Level(levels):
-                self._constant(bytes((levels.get(place, place),)), 1)
+                level = cast(int, place or 0)
+                self._constant(bytes((levels.get(level, level),)), 1)
             case _Array(_Block(size, align), fixed):
-                start, end, count = place or (0, 0, fixed or 0)
+                start, end = cast(_Span, place or (0, size * (fixed or 0)))
                 if fixed is None:
-                    self._constant(_U32.pack(count), 4)
-                if count:
-                    self._copy((start, end) if place else None, count * size, align)
+                    self._constant(_U32.pack((end - start) // size), 4)
+                if start < end:
+                    self._copy((start, end) if place else None, end - start, align)
             case _Array(element, fixed):
-                places = place if place is not None else [None] * (fixed or 0)
+                places = cast(list[_Place], place or [None] * (fixed or 0))
                 if fixed is None:
                     self._constant(_U32.pack(len(places)), 4)
                 for each in places:
                     self.write(element, each)
             case _Structure(_, target):
                 for field, source in target:
-                    self.write(field, None if place is None or source < 0 else place[source])
+                    self.write(field, None if place is None or source < 0 else cast(list[_Place], place)[source])
 
     def _copy(self, span: tuple[int, int] | None, size: int, align: int) -> None:
         if span is None:
@@ -297,7 +304,7 @@ class _Writer:
             self.constants[-1] += bytes(padding)
 
 
-def _structure(source: FieldDefinitions, source_type: str, target: FieldDefinitions, target_type: str) -> _Node:
+def _structure(source: Typesdict, source_type: str, target: Typesdict, target_type: str) -> _Node:
     """Return the node of a structure: a block if it consists of numbers without padding, the same in both."""
     ours, theirs = _fields(source, source_type), _fields(target, target_type)
     numbers = {name: number for number, name in enumerate(ours)}
@@ -315,7 +322,7 @@ def _structure(source: FieldDefinitions, source_type: str, target: FieldDefiniti
     )
 
 
-def _fields(types: FieldDefinitions, name: str) -> dict[str, Any]:
+def _fields(types: Typesdict, name: str) -> dict[str, FieldDesc]:
     return dict(types[name][1])
 
 
@@ -323,33 +330,38 @@ def _block(fields: tuple[_Node, ...]) -> _Block | None:
     """Return fields as one block, if they are blocks, and CDR puts no padding between or after them."""
     size, align = 0, 1
     for field in fields:
-        if isinstance(field, _Array) and field.count and isinstance(field.element, _Block):
-            field = _Block(field.count * field.element.size, field.element.align)
-        if not isinstance(field, _Block) or size % field.align:
+        match field:
+            case _Block(length, of_field):
+                pass
+            case _Array(_Block(of_one, of_field), count) if count:
+                length = count * of_one
+            case _:
+                return None
+        if size % of_field:
             return None
-        size, align = size + field.size, max(align, field.align)
+        size, align = size + length, max(align, of_field)
     return _Block(size, align) if size and not size % align else None
 
 
-def _node(source: FieldDefinitions, ours: Any, target: FieldDefinitions, theirs: Any) -> _Node:
+def _node(source: Typesdict, ours: object, target: Typesdict, theirs: object) -> _Node:
     """Return the node of a field, from its descriptions in rosbags' form."""
     match ours, theirs:
-        case (1, (one, _)), (1, (other, _)) if _SAME.get(one, one) == _SAME.get(other, other):
+        case (1, (str(one), _)), (1, (str(other), _)) if _SAME.get(one, one) == _SAME.get(other, other):
             return _Text() if one == "string" else _Block(_SIZES[one], _SIZES[one])
-        case (2, one), (2, other):
+        case (2, str(one)), (2, str(other)):
             return _structure(source, one, target, other)
-        case (3, (one, count)), (3, (other, number)) if count == number:
-            return _Array(_node(source, one, target, other), count)
-        case (4, (one, _)), (4, (other, _)):
-            return _Array(_node(source, one, target, other), None)
+        case (3, (ours_in, int(count))), (3, (theirs_in, int(number))) if count == number:
+            return _Array(_node(source, ours_in, target, theirs_in), count)
+        case (4, (ours_in, _)), (4, (theirs_in, _)):
+            return _Array(_node(source, ours_in, target, theirs_in), None)
     raise ValueError(f"a field is {_described(ours)} in one type and {_described(theirs)} in the other")
 
 
-def _described(field: Any) -> str:
+def _described(field: object) -> str:
     """Return the type of a field as a phrase."""
     match field:
-        case (1, (name, _)) | (2, name):
-            return str(name)
+        case (1, (str(name), _)) | (2, str(name)):
+            return name
         case (3, (element, count)):
             return f"{_described(element)}[{count}]"
         case (4, (element, _)):
@@ -357,7 +369,7 @@ def _described(field: Any) -> str:
     return "unknown"
 
 
-def _log_node(source: FieldDefinitions, target: FieldDefinitions, to_cdr: bool) -> _Node:
+def _log_node(source: Typesdict, target: Typesdict, to_cdr: bool) -> _Node:
     """Return the node of a log message: in ROS 2, it has only the stamp of the header, and other levels."""
     ros1, ros2 = (source, target) if to_cdr else (target, source)
     levels = _LEVELS if to_cdr else {theirs: ours for ours, theirs in _LEVELS.items()}

@@ -2,7 +2,7 @@
 
 import io
 import struct
-from contextlib import redirect_stdout
+from contextlib import redirect_stdout, suppress
 from functools import cache
 
 import pytest
@@ -100,10 +100,8 @@ def test_bytes_that_are_no_message_are_refused(msgtype: str, data: st.DataObject
             assert bad != message[:cut]
             assert len(back(cdr)) == len(bad)
     for bad in (copy(message)[: 4 + cut], data.draw(st.binary(max_size=60))):
-        try:
+        with suppress(ValueError):
             back(bad)
-        except ValueError:
-            pass
 
 
 def test_plans_of_many_shapes_are_forgotten() -> None:
