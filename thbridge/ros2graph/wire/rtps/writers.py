@@ -1,0 +1,273 @@
+"""Writers: a history of samples, and the state of each matched reader.
+
+Source: DDSI-RTPS 2.3, section 8.4.9. A writer never waits: it keeps `depth` samples, and a reliable reader that is too
+slow gets a gap instead of the others.
+"""
+
+from collections.abc import Sequence, Set
+from dataclasses import dataclass
+
+from thbridge.ros2.qos import Durability, QosProfile, Reliability
+from thbridge.ros2graph.wire.rtps.guids import UNKNOWN, Guid
+from thbridge.ros2graph.wire.rtps.outbox import Destination, Outbox
+from thbridge.ros2graph.wire.rtps.submessages import (
+    READER_AT,
+    Acknowledgment,
+    FragmentRequest,
+    encode_data,
+    encode_fragments,
+    encode_gap,
+    encode_heartbeat,
+)
+
+MOST_READERS = 1024
+"""Maximum number of matched readers of a writer."""
+RESENT_BYTES = 256 * 1024
+"""Maximum number of bytes that one request makes a writer send. The reader requests the rest again."""
+_FIRST_PAUSE_NS, _LONGEST_PAUSE_NS = 50_000_000, 1_000_000_000
+"""Pauses between two heartbeats for a reader that does not acknowledge."""
+_UNBOUNDED = 1 << 30
+
+
+@dataclass(slots=True)
+class _Kept:
+    """Kept sample.
+
+    Attributes:
+        pieces: the sample as one submessage, or its fragments.
+        stamp_ns: its time, nanoseconds since 1970.
+        only: prefixes of the participants that get it. If None, all get it.
+    """
+
+    pieces: Sequence[bytes]
+    stamp_ns: int
+    only: Set[bytes] | None
+
+
+@dataclass(slots=True)
+class _MatchedReader:
+    """State of a matched reader.
+
+    Attributes:
+        id: id of the reader inside of its participant.
+        destination: where it receives.
+        reliable: whether it acknowledges samples.
+        start: number of the first sample that it gets.
+        acknowledged: number up to which it has all samples.
+        counted: count of its last acknowledgment.
+        counted_fragments: count of its last request of fragments.
+        pause_ns: pause until the next heartbeat.
+        due_ns: time of the next heartbeat; None until the next tick decides.
+    """
+
+    id: bytes
+    destination: Destination
+    reliable: bool
+    start: int
+    acknowledged: int
+    counted: int = -1
+    counted_fragments: int = -1
+    pause_ns: int = _FIRST_PAUSE_NS
+    due_ns: int | None = None
+
+
+class RtpsWriter:
+    """Writer of one topic.
+
+    Args:
+        guid: its GUID.
+        qos: its quality of service.
+        outbox: gets what it sends.
+        fragment_size: samples above this number of bytes are sent in fragments of this size.
+        keep_all: keep all samples until `forget`, instead of the last `qos.depth`.
+    """
+
+    def __init__(
+        self, guid: Guid, qos: QosProfile, outbox: Outbox, fragment_size: int, *, keep_all: bool = False
+    ) -> None:
+        self.guid = guid
+        self.id = guid[-4:]
+        self.qos = qos
+        self.dropped = 0
+        self._depth = _UNBOUNDED if keep_all else qos.depth
+        self._outbox = outbox
+        self._fragment_size = fragment_size
+        self._history: dict[int, _Kept] = {}
+        self._last = 0
+        self._count = 0
+        self._readers: dict[Guid, _MatchedReader] = {}
+        self._routes: list[tuple[Destination, bool]] = []
+
+    @property
+    def readers(self) -> Sequence[Guid]:
+        """GUIDs of the matched readers."""
+        return list(self._readers)
+
+    @property
+    def next(self) -> int:
+        """Sequence number of the next sample."""
+        return self._last + 1
+
+    def match(self, reader: Guid, qos: QosProfile, destination: Destination) -> bool:
+        """Begin to send to a reader. Return False if there are too many readers."""
+        if reader in self._readers:
+            return True
+        if len(self._readers) >= MOST_READERS:
+            return False
+        both = (self.qos.durability, qos.durability)
+        start = 1 if both == (Durability.TRANSIENT_LOCAL, Durability.TRANSIENT_LOCAL) else self._last + 1
+        reliable = qos.reliability == self.qos.reliability == Reliability.RELIABLE
+        matched = _MatchedReader(reader[-4:], destination, reliable, start, start - 1)
+        self._readers[reader] = matched
+        self._route()
+        if reliable:
+            self._announce(matched, final=False)
+        return True
+
+    def unmatch(self, reader: Guid) -> None:
+        """Stop sending to a reader."""
+        if self._readers.pop(reader, None) is not None:
+            self._route()
+
+    def write(
+        self, payload: bytes, stamp_ns: int, inline: bytes = b"", *, key: bool = False, only: Set[bytes] | None = None
+    ) -> int:
+        """Send a sample to all matched readers, and keep it. Return its sequence number.
+
+        Args:
+            payload: message with its CDR header.
+            stamp_ns: time of the message, nanoseconds since 1970.
+            inline: inline quality of service.
+            key: whether the payload is only the key of a disposed sample.
+            only: prefixes of the participants that get the sample. If None, all get it.
+        """
+        self._last = sequence = self._last + 1
+        pieces: Sequence[bytes]
+        if len(payload) <= self._fragment_size:
+            pieces = (encode_data(self.id, sequence, payload, stamp_ns, inline, key=key),)
+        else:
+            pieces = encode_fragments(self.id, sequence, payload, stamp_ns, self._fragment_size, inline)
+        if self.qos.reliability == Reliability.RELIABLE:
+            self._history[sequence] = _Kept(pieces, stamp_ns, only)
+            if len(self._history) > self._depth:
+                self._evict(next(iter(self._history)))
+        for destination, reliable in self._routes:
+            if only is not None and destination.prefix not in only:
+                pieces_here: Sequence[bytes] = (encode_gap(UNKNOWN, self.id, (sequence,)),)
+            else:
+                pieces_here = pieces
+            for piece in pieces_here:
+                self._outbox.add(destination, piece)
+            if reliable:
+                # A final heartbeat: only readers that miss something answer. A nearly full history needs all answers.
+                self._add_heartbeat(destination, UNKNOWN, self._first(), final=not self._is_nearly_full())
+        return sequence
+
+    def forget(self, sequence: int) -> None:
+        """Do not keep a sample any longer."""
+        self._history.pop(sequence, None)
+
+    def on_acknowledgment(self, message: Acknowledgment, stamp_ns: int) -> None:
+        """Process an acknowledgment: send the requested samples, or gaps in their place."""
+        reader = self._readers.get(message.reader)
+        if reader is None or not reader.reliable or message.count <= reader.counted or message.base > self._last + 1:
+            return
+        reader.counted = message.count
+        if message.base - 1 > reader.acknowledged:
+            reader.acknowledged = message.base - 1
+            reader.pause_ns, reader.due_ns = _FIRST_PAUSE_NS, None
+        if not message.missing:
+            if not message.final:
+                self._announce(reader, final=True)
+            return
+        gone: list[int] = []
+        left = RESENT_BYTES
+        for sequence in message.missing:
+            if sequence > self._last:
+                break
+            kept = self._kept_for(reader, sequence, stamp_ns)
+            if kept is None:
+                gone.append(sequence)
+                continue
+            for piece in kept.pieces if left > 0 else ():
+                left -= len(piece)
+                self._resend(reader, piece)
+        if gone:
+            self._outbox.add(reader.destination, encode_gap(reader.id, self.id, gone))
+        # The answer acknowledges these samples, or requests the next ones.
+        self._announce(reader, final=False)
+
+    def on_fragment_request(self, message: FragmentRequest, stamp_ns: int) -> None:
+        """Process a request of fragments: send them again."""
+        reader = self._readers.get(message.reader)
+        if reader is None or not reader.reliable or message.count <= reader.counted_fragments:
+            return
+        reader.counted_fragments = message.count
+        kept = self._kept_for(reader, message.sequence, stamp_ns)
+        if kept is None:
+            if message.sequence <= self._last:
+                self._outbox.add(reader.destination, encode_gap(reader.id, self.id, (message.sequence,)))
+            return
+        left = RESENT_BYTES
+        for number in message.missing:
+            if number <= len(kept.pieces) and left > 0:
+                left -= len(kept.pieces[number - 1])
+                self._resend(reader, kept.pieces[number - 1])
+        self._announce(reader, final=False)
+
+    def tick(self, now_ns: int) -> bool:
+        """Send heartbeats to readers that have not acknowledged all samples. Return False if there are none."""
+        waiting = False
+        for reader in self._readers.values():
+            if not reader.reliable or reader.acknowledged >= self._last:
+                continue
+            waiting = True
+            if reader.due_ns is None:
+                reader.due_ns = now_ns + reader.pause_ns
+            elif now_ns >= reader.due_ns:
+                reader.pause_ns = min(2 * reader.pause_ns, _LONGEST_PAUSE_NS)
+                reader.due_ns = now_ns + reader.pause_ns
+                self._announce(reader, final=False)
+        return waiting
+
+    def _kept_for(self, reader: _MatchedReader, sequence: int, stamp_ns: int) -> _Kept | None:
+        """Return a sample that a reader may get."""
+        kept = self._history.get(sequence)
+        if kept is None or sequence < reader.start:
+            return None
+        if kept.only is not None and reader.destination.prefix not in kept.only:
+            return None
+        if self.qos.lifespan_ns is not None and stamp_ns - kept.stamp_ns > self.qos.lifespan_ns:
+            return None
+        return kept
+
+    def _resend(self, reader: _MatchedReader, piece: bytes) -> None:
+        self._outbox.add(reader.destination, piece[:READER_AT] + reader.id + piece[READER_AT + 4 :])
+
+    def _first(self) -> int:
+        return next(iter(self._history), self._last + 1)
+
+    def _announce(self, reader: _MatchedReader, *, final: bool) -> None:
+        self._add_heartbeat(reader.destination, reader.id, max(self._first(), reader.start), final=final)
+
+    def _add_heartbeat(self, destination: Destination, reader: bytes, first: int, *, final: bool) -> None:
+        self._count += 1
+        heartbeat = encode_heartbeat(reader, self.id, first, self._last, self._count, final=final)
+        self._outbox.add(destination, heartbeat)
+
+    def _is_nearly_full(self) -> bool:
+        slowest = min(reader.acknowledged for reader in self._readers.values() if reader.reliable)
+        return 2 * (self._last - slowest) >= self._depth
+
+    def _evict(self, sequence: int) -> None:
+        del self._history[sequence]
+        self.dropped += sum(
+            reader.reliable and reader.acknowledged < sequence >= reader.start for reader in self._readers.values()
+        )
+
+    def _route(self) -> None:
+        """Find the destinations of live samples: one for each participant, not for each reader."""
+        routes: dict[Destination, bool] = {}
+        for reader in self._readers.values():
+            routes[reader.destination] = routes.get(reader.destination, False) or reader.reliable
+        self._routes = list(routes.items())
