@@ -389,9 +389,14 @@ class DdsClient:
             self._graph.remove(self._node, self._writer, self._reader)
 
     def _servers(self) -> set[bytes]:
-        """Return the prefixes of participants whose server is matched in both directions."""
+        """Return the prefixes of participants whose server is matched in both directions.
+
+        Servers drop the response if they do not know the client's reader, so they must have confirmed that they do.
+        """
         receivers = {each[:PREFIX_SIZE] for each in self._writer.readers}
-        return receivers & {each[:PREFIX_SIZE] for each in self._reader.writers}
+        senders = {each[:PREFIX_SIZE] for each in self._reader.writers}
+        knows = self._graph.participant.is_known_to
+        return {each for each in receivers & senders if knows(each, self._reader) and knows(each, self._writer)}
 
     def _on_sample(self, sample: ReceivedSample) -> None:
         if sample.disposed or not sample.payload:

@@ -242,6 +242,14 @@ class RtpsParticipant:
         """Return the datagrams that are to be sent."""
         return self.outbox.drain()
 
+    def is_known_to(self, prefix: bytes, endpoint: RtpsWriter | RtpsReader) -> bool:
+        """Return True if another participant has confirmed that it knows one of our endpoints."""
+        own = self._own.get(endpoint.id)
+        if own is None:
+            return False
+        reader = guids.PUBLICATIONS_READER if own.data.is_writer else guids.SUBSCRIPTIONS_READER
+        return self._announcer_of(own.data).has_acknowledged(prefix + reader, own.announced)
+
     def vendor_of(self, guid: Guid) -> bytes:
         """Return the vendor of an endpoint's participant; empty if it is unknown."""
         peer = self._peers.get(guid[:PREFIX_SIZE])

@@ -24,7 +24,7 @@ MOST_READERS = 1024
 """Maximum number of matched readers of a writer."""
 RESENT_BYTES = 256 * 1024
 """Maximum number of bytes that one request makes a writer send. The reader requests the rest again."""
-_FIRST_PAUSE_NS, _LONGEST_PAUSE_NS = 50_000_000, 1_000_000_000
+_FIRST_PAUSE_NS, _LONGEST_PAUSE_NS = 20_000_000, 1_000_000_000
 """Pauses between two heartbeats for a reader that does not acknowledge."""
 _UNBOUNDED = 1 << 30
 
@@ -107,6 +107,11 @@ class RtpsWriter:
     def next(self) -> int:
         """Sequence number of the next sample."""
         return self._last + 1
+
+    def has_acknowledged(self, reader: Guid, sequence: int) -> bool:
+        """Return True if a reader has all samples up to a number."""
+        matched = self._readers.get(reader)
+        return matched is not None and matched.acknowledged >= sequence
 
     def match(self, reader: Guid, qos: QosProfile, destination: Destination) -> bool:
         """Begin to send to a reader. Return False if there are too many readers."""
