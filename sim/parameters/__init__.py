@@ -24,8 +24,9 @@ from sim.parameters.local_planners import DwaPlannerParameters, TrajectoryPlanne
 from sim.parameters.move_base import MoveBaseParameters, RecoveryBehavior
 from sim.parameters.part_names import PartKind, installed_names
 from sim.parameters.reconfiguration import (
-    LiveParameter,
+    DeclaredParameter,
     ParameterRejection,
+    declared_parameters,
     live_parameters,
     reconfigurable,
     reconfigured,

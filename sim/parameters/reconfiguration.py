@@ -9,8 +9,9 @@ or at the true world (`world.laser.range_noise`).
 import dataclasses
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Literal, TypeVar, cast, get_args, get_type_hints
 
 from sim.parameters.declaration import is_section
@@ -45,8 +46,8 @@ class ParameterRejection:
 
 
 @dataclass(frozen=True, slots=True)
-class LiveParameter:
-    """Declaration of a parameter that may change while a robot runs.
+class DeclaredParameter:
+    """Declaration of a parameter.
 
     Attributes:
         path: path of the parameter, see the module.
@@ -57,6 +58,7 @@ class LiveParameter:
         minimum: minimum value. If None, there is no limit.
         maximum: maximum value. If None, there is no limit.
         choices: allowed words; if empty, any word.
+        live: True if the parameter may change while a robot runs.
     """
 
     path: str
@@ -67,10 +69,23 @@ class LiveParameter:
     minimum: float | None
     maximum: float | None
     choices: tuple[str, ...]
+    live: bool
 
 
-def live_parameters(into: "type[DataclassInstance]" = RobotParameters, path: str = "") -> Iterator[LiveParameter]:
+def live_parameters(into: "type[DataclassInstance]" = RobotParameters, path: str = "") -> Iterator[DeclaredParameter]:
     """Yield all parameters that may change while a robot runs, in the order of declaration.
+
+    Args:
+        into: class that declares the parameters.
+        path: path of this class if it is a section of another class.
+    """
+    return (parameter for parameter in declared_parameters(into, path) if parameter.live)
+
+
+def declared_parameters(
+    into: "type[DataclassInstance]" = RobotParameters, path: str = ""
+) -> Iterator[DeclaredParameter]:
+    """Yield all parameters, also those that are fixed while a robot runs, in the order of declaration.
 
     Args:
         into: class that declares the parameters.
@@ -79,9 +94,11 @@ def live_parameters(into: "type[DataclassInstance]" = RobotParameters, path: str
     hints = get_type_hints(into)
     for field in dataclasses.fields(into):
         place, hint = f"{path}.{field.name}" if path else field.name, cast(object, hints[field.name])
-        if is_live(field):
+        if isinstance(hint, type) and dataclasses.is_dataclass(hint):
+            yield from declared_parameters(hint, place)
+        else:
             known = field.metadata
-            yield LiveParameter(
+            yield DeclaredParameter(
                 place,
                 _types(hint),
                 cast(object, field.default),
@@ -90,9 +107,8 @@ def live_parameters(into: "type[DataclassInstance]" = RobotParameters, path: str
                 cast("float | None", known["minimum"]),
                 cast("float | None", known["maximum"]),
                 cast(tuple[str, ...], known["choices"]),
+                is_live(field),
             )
-        elif isinstance(hint, type) and dataclasses.is_dataclass(hint):
-            yield from live_parameters(hint, place)
 
 
 def _types(hint: object) -> tuple[object, ...]:
@@ -129,6 +145,28 @@ def reconfigured(parameters: P, path: str, value: object) -> P | ParameterReject
     return changed
 
 
+def with_values(parameters: P, values: Sequence[tuple[str, object]]) -> P | ParameterRejection:
+    """Return the parameters with all these values, or the reason why a value is rejected.
+
+    The order of values does not matter. For example, a new minimum above the old maximum is set after the new maximum.
+    """
+    left = tuple(values)
+    while left:
+        waiting: list[tuple[str, object]] = []
+        rejected: list[ParameterRejection] = []
+        for path, value in left:
+            changed = reconfigured(parameters, path, value)
+            if isinstance(changed, ParameterRejection):
+                waiting.append((path, value))
+                rejected.append(changed)
+            else:
+                parameters = changed
+        if len(waiting) == len(left):
+            return rejected[0]
+        left = tuple(waiting)
+    return parameters
+
+
 def fixed_differences(before: P, after: P) -> tuple[str, ...]:
     """Return the paths of parameters that differ, without those that may change while a robot runs."""
     return tuple(_differences(before, after, ""))
@@ -152,6 +190,12 @@ def _value_at(section: object, path: str) -> object:
     return section
 
 
+@cache
+def _hints(section: type) -> Mapping[str, object]:
+    """Return the types of the fields of a class. Collecting them takes a millisecond."""
+    return get_type_hints(section)
+
+
 _Section = TypeVar("_Section", bound="DataclassInstance")
 
 
@@ -171,7 +215,7 @@ def _changed(section: _Section, names: list[str], path: str, value: object) -> _
         return ParameterRejection(path, "fixed", f"{path} cannot change while the robot runs")
     if isinstance(value, str) and value == own:
         return section  # Names of installed parts are not among the choices, but the present name is allowed.
-    new = _fit(get_type_hints(type(section))[name], fields[name].metadata, path, value)
+    new = _fit(_hints(type(section))[name], fields[name].metadata, path, value)
     return new if isinstance(new, ParameterRejection) else dataclasses.replace(section, **{name: new})
 
 

@@ -18,7 +18,7 @@ from struct import Struct
 from types import NoneType
 from typing import Literal, cast, get_args
 
-from sim.parameters import LiveParameter, RobotParameters, live_parameters
+from sim.parameters import DeclaredParameter, RobotParameters, live_parameters
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages.cursor import INT32, UINT8, Cursor
 from thbridge.ros.messages.pack.fields import UINT32, string
@@ -118,7 +118,7 @@ def reconfigure_servers() -> tuple[ReconfigureServer, ...]:
     return tuple(ReconfigureServer(path, tuple(parameters)) for path, parameters in found.items())
 
 
-def described(declared: LiveParameter) -> DescribedParameter:
+def described(declared: DeclaredParameter) -> DescribedParameter:
     """Return the description of a live parameter."""
     name = declared.path.rpartition(".")[2]
     kind = _kind(declared.types)

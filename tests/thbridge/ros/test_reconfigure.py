@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from rosbags.typesys.msg import normalize_msgtype
 
 from sim.parameters import RobotParameters, reconfigurable
-from thbridge.roles.shared.robot_requests import with_values
+from sim.parameters.reconfiguration import with_values
 from thbridge.ros import reconfigure
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types

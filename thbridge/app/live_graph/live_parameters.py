@@ -11,11 +11,11 @@ from functools import partial
 from typing import cast
 
 from sim.parameters import RobotParameters, reconfigurable
-from sim.parameters.reconfiguration import ParameterRejection
+from sim.parameters.reconfiguration import ParameterRejection, with_values
 from thbridge.app.live_graph.rate_limiter import RateLimiter
 from thbridge.app.live_graph.typed_node import TypedNode
 from thbridge.roles.shared.robot_requests import ParameterValue as SetValue
-from thbridge.roles.shared.robot_requests import Request, SetParameters, with_values
+from thbridge.roles.shared.robot_requests import Request, SetParameters
 from thbridge.ros import reconfigure
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types

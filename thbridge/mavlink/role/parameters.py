@@ -14,7 +14,7 @@ from typing import Protocol, cast
 
 import numpy as np
 
-from sim.parameters import LiveParameter, ParameterRejection, WorldParameters, live_parameters
+from sim.parameters import DeclaredParameter, ParameterRejection, WorldParameters, live_parameters
 from sim.parameters.reconfiguration import WORLD_PREFIX
 from thbridge.mavlink.role.parameter_names import GROUPS, group_of, name_of
 from thbridge.mavlink.values.vehicle_interface import Denied, ParameterDescription, ParameterSetting
@@ -31,7 +31,7 @@ class VehicleParameter:
     """
 
     name: str
-    declaration: LiveParameter
+    declaration: DeclaredParameter
 
     def to_number(self, value: ParameterValue) -> float:
         """Return the number for a value.
@@ -83,7 +83,7 @@ class VehicleParameter:
         )
 
 
-def _is_numeric(parameter: LiveParameter) -> bool:
+def _is_numeric(parameter: DeclaredParameter) -> bool:
     return bool({bool, int, float} & {*parameter.types}) or bool(parameter.choices)
 
 

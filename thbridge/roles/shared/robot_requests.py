@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from sim.inputs import TEAM_INPUTS, TeamInput
 from sim.parameters import RobotParameters, WorldParameters
-from sim.parameters.reconfiguration import WORLD_PREFIX, P, ParameterRejection, reconfigured
+from sim.parameters.reconfiguration import WORLD_PREFIX, ParameterRejection, with_values
 from thbridge.ros.messages.records import (
     CancelRequest,
     GoalRequest,
@@ -244,25 +244,3 @@ class Tuning:
         if isinstance(software, ParameterRejection):
             return software
         return world if isinstance(world, ParameterRejection) else Tuning(software, world)
-
-
-def with_values(parameters: P, values: Sequence[tuple[str, ParameterValue]]) -> P | ParameterRejection:
-    """Return the parameters with all these values, or the reason why a value is rejected.
-
-    The order of values does not matter. For example, a new minimum above the old maximum is set after the new maximum.
-    """
-    left = tuple(values)
-    while left:
-        waiting: list[tuple[str, ParameterValue]] = []
-        rejected: list[ParameterRejection] = []
-        for path, value in left:
-            changed = reconfigured(parameters, path, value)
-            if isinstance(changed, ParameterRejection):
-                waiting.append((path, value))
-                rejected.append(changed)
-            else:
-                parameters = changed
-        if len(waiting) == len(left):
-            return rejected[0]
-        left = tuple(waiting)
-    return parameters

@@ -8,12 +8,12 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.parameters import RobotParameters
-from sim.parameters.reconfiguration import ParameterRejection
+from sim.parameters.reconfiguration import ParameterRejection, with_values
 from tests.thbridge.roles.simr.driven_simr import DrivenSimR, orders
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
 from thbridge.roles.shared.notices import KEEPER, MoveOrder, Orders, TeamStatus
-from thbridge.roles.shared.robot_requests import SetParameters, with_values
+from thbridge.roles.shared.robot_requests import SetParameters
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.study.study_file import Study
