@@ -85,7 +85,7 @@ class Distribution:
         """Return the value of a constant of a message type."""
         return next(value for each, _, value in self._definition(name).constants if each == constant)
 
-    def make(self, name: str, **fields: object) -> object:
+    def make(self, name: str, /, **fields: object) -> object:
         """Return a message. Fields that are not given have their default values.
 
         Numbers of a sequence may be given as any sequence of numbers, or as bytes.
