@@ -4,8 +4,7 @@ Nav2's nodes are the successors of amcl and move_base, with other names, units a
 leaves out have Nav2's defaults if the file describes their node. Parameters without a counterpart are listed and have
 no effect.
 
-Source: the declarations in ros-navigation/navigation2: nav2_amcl/src/amcl_node.cpp, nav2_costmap_2d/src and /plugins,
-nav2_navfn_planner, nav2_controller/src and /plugins, nav2_dwb_controller/dwb_plugins and dwb_critics.
+Source: see `thbridge.ros2.nav2_names`, which has the names.
 """
 
 from collections.abc import Iterator, Mapping
@@ -13,34 +12,12 @@ from pathlib import Path
 
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section
+from thbridge.ros2 import nav2_names
 
 Entry = tuple[Scalar, Node]
 
 PARAMETERS = "ros__parameters"
 
-_AMCL: Mapping[str, str] = {
-    **{f"alpha{number}": f"odom_alpha{number}" for number in range(1, 6)},
-    **{
-        name: f"laser_{name}"
-        for name in ("max_beams", "z_hit", "z_short", "z_max", "z_rand", "sigma_hit", "lambda_short")
-    },
-    "pf_err": "kld_err",
-    "pf_z": "kld_z",
-    "initial_pose.x": "initial_pose_x",
-    "initial_pose.y": "initial_pose_y",
-    "initial_pose.yaw": "initial_pose_a",
-    **{
-        name: name
-        for name in (
-            *("beam_skip_distance", "beam_skip_error_threshold", "beam_skip_threshold", "do_beamskip"),
-            *("laser_likelihood_max_dist", "laser_max_range", "laser_min_range", "laser_model_type"),
-            *("max_particles", "min_particles", "recovery_alpha_fast", "recovery_alpha_slow", "resample_interval"),
-            *("update_min_a", "update_min_d", "base_frame_id", "global_frame_id", "odom_frame_id", "tf_broadcast"),
-            *("transform_tolerance", "save_pose_rate", "first_map_only"),
-        )
-    },
-}
-"""Names of amcl's parameters in ROS 1, by their names in Nav2."""
 _AMCL_DEFAULTS: Mapping[str, str] = {
     "laser_max_range": "100.0",
     "max_beams": "60",
@@ -63,47 +40,15 @@ _MODELS: Mapping[str, str] = {
     "omnidirectional": "omni-corrected",
 }
 
-_DWB: Mapping[str, str] = {
-    "max_speed_xy": "max_vel_trans",
-    "min_speed_xy": "min_vel_trans",
-    "min_speed_theta": "min_vel_theta",
-    "linear_granularity": "sim_granularity",
-    "angular_granularity": "angular_sim_granularity",
-    "vtheta_samples": "vth_samples",
-    "trans_stopped_velocity": "trans_stopped_vel",
-    "BaseObstacle.scale": "occdist_scale",
-    "BaseObstacle.sum_scores": "sum_scores",
-    "PathAlign.forward_point_distance": "forward_point_distance",
-    **{
-        name: name
-        for name in (
-            *("acc_lim_x", "acc_lim_y", "acc_lim_theta", "max_vel_x", "max_vel_y", "min_vel_x", "min_vel_y"),
-            *("max_vel_theta", "sim_time", "vx_samples", "vy_samples", "xy_goal_tolerance"),
-        )
-    },
-}
-"""Names of DWAPlannerROS's parameters, by their names in Nav2's DWB."""
-_HALVED: Mapping[str, str] = {"PathDist.scale": "path_distance_bias", "GoalDist.scale": "goal_distance_bias"}
-"""Weights per cell. DWB multiplies them by half of a cell's side, ROS 1 by the full side (dwb_critics,
-map_grid.cpp)."""
 _SCALE = "1.0"
 """DWB's weight of a listed critic without a weight."""
 _OBSTACLES = ("BaseObstacle", "ObstacleFootprint")
 _DWB_STANDS: tuple[str, ...] = ("max_speed_xy", "max_vel_x", "max_vel_theta", "acc_lim_x", "acc_lim_theta")
 """Limits with the default 0. If a file leaves these limits out, a robot with Nav2 does not move."""
-_GOAL_CHECKER: Mapping[str, str] = {
-    "xy_goal_tolerance": "xy_goal_tolerance",
-    "yaw_goal_tolerance": "yaw_goal_tolerance",
-    "stateful": "latch_xy_goal_tolerance",
-}
 _GOAL_CHECKER_DEFAULTS: Mapping[str, str] = {
     "xy_goal_tolerance": "0.25",
     "yaw_goal_tolerance": "0.25",
     "stateful": "true",
-}
-_PROGRESS_CHECKER: Mapping[str, str] = {
-    "required_movement_radius": "oscillation_distance",
-    "movement_time_allowance": "oscillation_timeout",
 }
 _PROGRESS_CHECKER_DEFAULTS: Mapping[str, str] = {"required_movement_radius": "0.5", "movement_time_allowance": "10.0"}
 _DWB_DEFAULTS: Mapping[str, str] = {
@@ -118,14 +63,8 @@ _DWB_DEFAULTS: Mapping[str, str] = {
 }
 _DWB_ONLY = ("critics", "debug_trajectory_details", "plugin", "trajectory_generator_name")
 
-_NAVFN: Mapping[str, str] = {
-    "tolerance": "default_tolerance",
-    "use_astar": "use_astar",
-    "allow_unknown": "allow_unknown",
-}
 _NAVFN_DEFAULTS: Mapping[str, str] = {"tolerance": "0.5"}
 
-_SOURCE: Mapping[str, str] = {"obstacle_max_range": "obstacle_range", "raytrace_max_range": "raytrace_range"}
 _SOURCE_ONLY = ("obstacle_min_range", "raytrace_min_range", "transport_type")
 _COSTMAP_DEFAULTS: Mapping[str, str] = {
     "robot_radius": "0.1",
@@ -148,8 +87,10 @@ _COSTMAP_ONLY = (
         "inscribed_obstacle_cost_value",
         "subscribe_to_stamped_footprint",
     ),
-    *("use_sim_time", "service_introspection_mode", "introspection_mode"),
+    *("service_introspection_mode", "introspection_mode"),
 )
+_OF_EVERY_NODE = ("use_sim_time", "start_type_description_service")
+"""Parameters of each node, which need no notice."""
 _LAYER_ONLY = (
     *("map_subscribe_transient_local", "restore_cleared_footprint", "tf_filter_tolerance", "custom_inscribed_radius"),
     *("inflate_around_unknown", "num_threads", "plugin"),
@@ -224,6 +165,14 @@ def _dotted(section: Section, prefix: str = "") -> Iterator[Entry]:
             yield name, child
 
 
+def _with_entries(entries: list[Entry], name: str, more: list[Entry]) -> list[Entry]:
+    """Return entries with more entries in the section of this name."""
+    section = next((child for key, child in entries if key.text == name and isinstance(child, Section)), None)
+    own = section.entries if section else []
+    rest = [entry for entry in entries if entry[0].text != name]
+    return [*rest, (_scalar(name, more[0][0].line), Section(more[0][0].line, [*own, *more]))]
+
+
 def _scalar(text: str, line: int) -> Scalar:
     return Scalar(text, plain=True, line=line)
 
@@ -280,7 +229,7 @@ class _Translation:
             written.add(key.text)
             if key.text in names:
                 entries.append((_scalar(names[key.text], key.line), child))
-            elif key.text != "use_sim_time":
+            elif key.text not in _OF_EVERY_NODE:
                 self._strange.append(f"{node}.{key.text}")
         return entries + self._defaults(node, parameters.line, written, names, defaults)
 
@@ -297,7 +246,7 @@ class _Translation:
         models = [(key, child) for key, child in parameters.entries if key.text == "robot_model_type"]
         silent = ("set_initial_pose", "initial_pose.z", "robot_model_type", "scan_topic", "map_topic")
         rest = Section(parameters.line, [(key, child) for key, child in parameters.entries if key.text not in silent])
-        entries = self._renamed("amcl", rest, _AMCL, _AMCL_DEFAULTS)
+        entries = self._renamed("amcl", rest, nav2_names.AMCL, _AMCL_DEFAULTS)
         model = models[-1][1] if models else _scalar("nav2_amcl::DifferentialMotionModel", node.line)
         if isinstance(model, Scalar):
             known = _MODELS.get(model.text)
@@ -326,7 +275,10 @@ class _Translation:
             raise BadFile(self._path, "not a list of layers", remedy, listing.line, f"{node.text}.plugins")
         plugins = [item for item in listing.items if isinstance(item, Scalar)]
         names = {each.text for each in plugins}
+        of_the_map = [entry for entry in given if entry[0].text in nav2_names.OF_THE_MAP]
         entries: list[Entry] = []
+        if of_the_map and nav2_names.STATIC_LAYER in names:
+            given = _with_entries(given, nav2_names.STATIC_LAYER, of_the_map)
         for key, child in given:
             if key.text == "plugins":
                 entries.append(
@@ -334,9 +286,12 @@ class _Translation:
                 )
             elif key.text in names and isinstance(child, Section):
                 entries.append((key, self._layer(f"{node.text}.{key.text}", child)))
+            elif key.text in nav2_names.OF_THE_MAP and nav2_names.STATIC_LAYER in names:
+                pass  # These have moved to the static layer.
             elif key.text in _COSTMAP_ONLY or isinstance(child, Section):
-                if key.text != "use_sim_time":
-                    self._strange.append(f"{node.text}.{key.text}")
+                self._strange.append(f"{node.text}.{key.text}")
+            elif key.text in _OF_EVERY_NODE:
+                pass
             else:
                 entries.append((key, child))
         defaults = dict(_COSTMAP_DEFAULTS)
@@ -376,7 +331,7 @@ class _Translation:
             if key.text in _SOURCE_ONLY:
                 self._strange.append(f"{place}.{key.text}")
             else:
-                entries.append((_scalar(_SOURCE.get(key.text, key.text), key.line), child))
+                entries.append((_scalar(nav2_names.SOURCE.get(key.text, key.text), key.line), child))
         return Section(source.line, entries)
 
     def _first_plugin(self, parameters: Section, listed: str, kind: str, default: str) -> tuple[Scalar, Section] | None:
@@ -412,7 +367,10 @@ class _Translation:
             return
         key, own = found
         rest = Section(own.line, [entry for entry in own.entries if entry[0].text != "plugin"])
-        yield _scalar("NavfnROS", key.line), Section(own.line, self._renamed(key.text, rest, _NAVFN, _NAVFN_DEFAULTS))
+        yield (
+            _scalar("NavfnROS", key.line),
+            Section(own.line, self._renamed(key.text, rest, nav2_names.NAVFN, _NAVFN_DEFAULTS)),
+        )
 
     def _controller(self, parameters: Section) -> Iterator[Entry]:
         """Yield the local planner, and move_base's parameters that belong to the controller in Nav2."""
@@ -427,12 +385,12 @@ class _Translation:
             base.append(inner["controller_frequency"])
         name, checker = self._checker(parameters, "progress_checker")
         rest = Section(checker.line, [entry for entry in checker.entries if entry[0].text != "plugin"])
-        base += self._renamed(name, rest, _PROGRESS_CHECKER, _PROGRESS_CHECKER_DEFAULTS)
+        base += self._renamed(name, rest, nav2_names.PROGRESS_CHECKER, _PROGRESS_CHECKER_DEFAULTS)
         yield _scalar("move_base", parameters.line), Section(parameters.line, base)
         found = self._first_plugin(parameters, "controller_plugins", "dwb", "FollowPath")
         name, checker = self._checker(parameters, "goal_checker")
-        rest = Section(checker.line, [entry for entry in checker.entries if entry[0].text in _GOAL_CHECKER])
-        tolerances = self._renamed(name, rest, _GOAL_CHECKER, _GOAL_CHECKER_DEFAULTS)
+        rest = Section(checker.line, [entry for entry in checker.entries if entry[0].text in nav2_names.GOAL_CHECKER])
+        tolerances = self._renamed(name, rest, nav2_names.GOAL_CHECKER, _GOAL_CHECKER_DEFAULTS)
         if found is None:
             self._add_notice(
                 "the local planner is DWAPlannerROS as in ROS 1: no controller in controller_plugins exists here"
@@ -441,10 +399,12 @@ class _Translation:
             return
         key, own = found
         written = self._with_critics(key.text, own)
-        weights = [(name, child) for name, child in written if name.text in _HALVED and isinstance(child, Scalar)]
-        silent = {*_HALVED, *_DWB_ONLY}
+        weights = [
+            (name, child) for name, child in written if name.text in nav2_names.HALVED and isinstance(child, Scalar)
+        ]
+        silent = {*nav2_names.HALVED, *_DWB_ONLY}
         rest = Section(own.line, [entry for entry in written if entry[0].text not in silent])
-        entries = [*self._renamed(key.text, rest, _DWB, _DWB_DEFAULTS)]
+        entries = [*self._renamed(key.text, rest, nav2_names.DWB, _DWB_DEFAULTS)]
         if stands := [name for name in _DWB_STANDS if all(entry[0].text != name for entry in written)]:
             self._add_notice(
                 f"{key.text} leaves out {', '.join(stands)}, which are 0 in Nav2; here they have the values of ROS 1"
@@ -453,7 +413,7 @@ class _Translation:
         entries = [
             entry for entry in entries if entry[0].text not in {name.text for name, _ in tolerances}
         ] + tolerances
-        entries += [(_scalar(_HALVED[name.text], name.line), self._half(weight)) for name, weight in weights]
+        entries += [(_scalar(nav2_names.HALVED[name.text], name.line), self._half(weight)) for name, weight in weights]
         yield _scalar("DWAPlannerROS", key.line), Section(own.line, entries)
 
     def _checker(self, parameters: Section, kind: str) -> tuple[str, Section]:
