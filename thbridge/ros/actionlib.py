@@ -42,8 +42,9 @@ LISTED = 64
 
 ActionRequest: TypeAlias = GoalRequest | CancelRequest | SimpleGoal
 
+REPLACED = "replaced by a newer goal"
+"""Text of a goal that was preempted by another goal."""
 _ACCEPTED = "under way"
-_REPLACED = "replaced by a newer goal"
 _TAKEN_BACK = "canceled before it arrived"
 _DIED = "the robot stopped working"
 
@@ -206,11 +207,11 @@ class MoveBaseServer:
         if 0 < goal.stamp_ns <= self._last_cancel_ns:
             self._end(entry, GoalStatusCode.RECALLED, _TAKEN_BACK)
         elif any(other is not None and named.stamp_ns < other.goal.stamp_ns for other in (self._current, self._next)):
-            self._end(entry, GoalStatusCode.RECALLED, _REPLACED)
+            self._end(entry, GoalStatusCode.RECALLED, REPLACED)
         else:
             waiting = self._next
             if waiting is not None and waiting is not self._current and waiting.status not in ENDED:
-                self._end(waiting, GoalStatusCode.RECALLED, _REPLACED)
+                self._end(waiting, GoalStatusCode.RECALLED, REPLACED)
             self._next = entry
 
     def _receive_cancel(self, cancelled: GoalId) -> None:
@@ -268,7 +269,7 @@ class MoveBaseServer:
 
     def _replace_current(self, entry: _Entry) -> None:
         if self._current is not None and self._current.is_active:
-            self._end(self._current, GoalStatusCode.PREEMPTED, _REPLACED)
+            self._end(self._current, GoalStatusCode.PREEMPTED, REPLACED)
         self._current = self._next = entry
 
     def _end_driven(self, result: GoalResult) -> None:

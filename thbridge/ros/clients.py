@@ -208,7 +208,13 @@ def _goal_id(cursor: Cursor) -> str:
 
 
 def _pose_in_map(cursor: Cursor, frame: str) -> Pose2 | InvalidMessage:
-    x, y, z, qx, qy, qz, qw = cursor.spatial_pose()
+    return planar_pose(frame, *cursor.spatial_pose())
+
+
+def planar_pose(
+    frame: str, x: float, y: float, z: float, qx: float, qy: float, qz: float, qw: float
+) -> Pose2 | InvalidMessage:
+    """Return the planar pose of a position and a quaternion in a frame."""
     if frame_name(frame) != MAP_FRAME:
         return InvalidMessage(f"its frame is {frame!r}; give it in the frame {MAP_FRAME!r}")
     length = math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
