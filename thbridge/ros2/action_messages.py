@@ -1,0 +1,51 @@
+"""Messages that all actions have in common: ids, times, goal lists."""
+
+from thbridge.ros2.actions import ActionGoalState, ActionGoalStatus, GoalInfo
+from thbridge.ros2.distribution import Distribution
+from thbridge.ros2.message_fields import GoalInfoFields, GoalStatusArrayFields, TimeFields
+
+_SECOND = 1_000_000_000
+
+
+def time_of(distribution: Distribution, ns: int) -> object:
+    """Return a builtin_interfaces/Time."""
+    return distribution.make("builtin_interfaces/msg/Time", sec=ns // _SECOND, nanosec=ns % _SECOND)
+
+
+def duration_of(distribution: Distribution, ns: int) -> object:
+    """Return a builtin_interfaces/Duration."""
+    return distribution.make("builtin_interfaces/msg/Duration", sec=ns // _SECOND, nanosec=ns % _SECOND)
+
+
+def nanoseconds(time: TimeFields) -> int:
+    """Return a builtin_interfaces/Time or Duration in nanoseconds."""
+    return int(time.sec) * _SECOND + int(time.nanosec)
+
+
+def uuid_of(distribution: Distribution, goal_id: bytes) -> object:
+    """Return a unique_identifier_msgs/UUID."""
+    return distribution.make("unique_identifier_msgs/msg/UUID", uuid=goal_id)
+
+
+def goal_info_of(distribution: Distribution, goal: GoalInfo) -> object:
+    """Return an action_msgs/GoalInfo."""
+    return distribution.make(
+        "action_msgs/msg/GoalInfo", goal_id=uuid_of(distribution, goal.id), stamp=time_of(distribution, goal.stamp_ns)
+    )
+
+
+def goal_info(message: GoalInfoFields) -> GoalInfo:
+    """Return the content of an action_msgs/GoalInfo."""
+    return GoalInfo(message.goal_id.uuid.tobytes(), nanoseconds(message.stamp))
+
+
+def goal_state(code: int) -> ActionGoalState:
+    """Return the state with this code. Codes that do not exist are UNKNOWN."""
+    return ActionGoalState(code) if code in {*ActionGoalState} else ActionGoalState.UNKNOWN
+
+
+def goal_statuses(message: GoalStatusArrayFields) -> tuple[ActionGoalStatus, ...]:
+    """Return the content of an action_msgs/GoalStatusArray."""
+    return tuple(
+        ActionGoalStatus(goal_info(status.goal_info), goal_state(status.status)) for status in message.status_list
+    )
