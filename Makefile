@@ -66,7 +66,7 @@ pictures: setup ## Draw the windows and the pages of the browser for the galleri
 	if [ -x /usr/bin/chromium ]; then $(BIN)/python scripts/draw/pages.py; fi
 
 # Contents of requirements.lock: all extras, and the packages for tests and checks.
-WANTED = pyproject.toml $(addprefix --extra ,gui web argumentation cluster learning markers foxglove) --group dev --python-version 3.11
+WANTED = pyproject.toml $(addprefix --extra ,gui web argumentation cluster learning markers foxglove ros2) --group dev --python-version 3.11
 
 lock: setup ## Pin the dependencies of pyproject.toml again; existing pins are kept if possible.
 	$(BIN)/uv pip compile $(WANTED) --generate-hashes --no-emit-index-url --no-emit-find-links -o requirements.lock
