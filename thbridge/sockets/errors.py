@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from thbridge.files.errors import reason_of
+from thbridge.sockets.addresses import Address
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,3 +24,29 @@ class CannotListen:
             f"cannot listen on {self.host}:{self.port}: {self.reason}. "
             "Stop the program that uses the port, or choose another host or port."
         )
+
+
+@dataclass(frozen=True, slots=True)
+class CannotReach:
+    """Failure to connect to a program. `str` returns one line for people.
+
+    Attributes:
+        what: the program, for example "zenoh router".
+        address: its expected address.
+        reason: for example "Connection refused".
+        remedy: what people can do.
+    """
+
+    what: str
+    address: Address
+    reason: str
+    remedy: str
+
+    @classmethod
+    def because(cls, error: OSError, what: str, address: Address, remedy: str) -> "CannotReach":
+        """Return the failure for an error of a socket."""
+        reason = "no answer" if isinstance(error, TimeoutError) else reason_of(error)
+        return cls(what, address, reason, remedy)
+
+    def __str__(self) -> str:
+        return f"no {self.what} at {self.address}: {self.reason}. {self.remedy}."

@@ -9,7 +9,7 @@ from typing import Protocol, TypeAlias
 from thbridge.ros2.qos import QosProfile
 from thbridge.ros2.supports import MessageSupport, ServiceSupport
 from thbridge.ros2graph.values.graph import GraphEndpoint, NodeName
-from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.errors import CannotListen, CannotReach
 
 OnMessage: TypeAlias = Callable[[bytes, bytes], None]
 """Callback with a message, and the gid of its publisher."""
@@ -51,11 +51,11 @@ class GraphClient(Protocol):
 class GraphCarrier(Protocol):
     """Connection of one program to a ROS 2 graph. Nodes and endpoints can be added before the start and later."""
 
-    async def start(self) -> CannotListen | None:
+    async def start(self) -> CannotListen | CannotReach | None:
         """Join the graph. Return the reason if this is not possible."""
 
     async def stop(self) -> None:
-        """Leave the graph, and tell the other programs."""
+        """Leave the graph, and announce this to the other programs."""
 
     def add_node(self, node: NodeName) -> None:
         """Announce a node."""
