@@ -1,0 +1,60 @@
+"""Queues between threads: in order, bounded in number and bytes, and with few pending calls."""
+
+import threading
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from thbridge.ros2graph.sockets.last_items import MOST_BYTES, CallThread, LastItems
+
+
+@given(st.integers(1, 4), st.lists(st.integers(0, 3) | st.none(), max_size=60))
+def test_the_last_items_arrive_in_order(depth, steps):
+    calls, arrived, model, expected = [], [], [], []
+    queue = LastItems(depth, calls.append, arrived.append)
+    for at, step in enumerate(steps):
+        if step is None and calls:
+            calls.pop(0)()
+            expected += model[:1]
+            del model[:1]
+        elif step is not None:
+            queue.push(at, step)
+            model = [*model, at][-depth:]
+        assert len(calls) <= depth
+        assert len(calls) >= len(model)
+    while calls:
+        calls.pop(0)()
+    assert arrived == expected + model
+    assert queue.dropped == sum(step is not None for step in steps) - len(arrived)
+
+
+def test_bytes_are_bounded_and_calls_do_not_add_up():
+    calls, arrived = [], []
+    queue = LastItems(10, calls.append, arrived.append)
+    for number in range(1000):
+        queue.push(number, MOST_BYTES if number % 3 == 0 else 1)
+    assert len(calls) <= 10
+    queue.push("last", MOST_BYTES)
+    for call in calls:
+        call()
+    assert arrived == ["last"]
+
+
+def test_calls_are_made_in_order_after_the_start_and_a_fault_stops_none(caplog):
+    thread, made = CallThread("calls"), []
+    thread.post(lambda: made.append(1))
+    thread.post(lambda: 1 / 0)
+    assert made == []
+    thread.start()
+    thread.post(lambda: made.append(threading.current_thread().name))
+    assert thread.end(60)
+    assert made == [1, "calls"]
+    assert "a call failed" in caplog.text
+
+
+def test_a_call_that_never_returns_does_not_block_the_end():
+    thread, blocked = CallThread("calls"), threading.Event()
+    thread.start()
+    thread.post(blocked.wait)
+    assert not thread.end(0.01)
+    blocked.set()

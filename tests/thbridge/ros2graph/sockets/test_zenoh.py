@@ -1,0 +1,258 @@
+"""The zenoh carrier over a real router: topics, latched topics, services, the graph, floods, and a lost router."""
+
+import asyncio
+import json
+import threading
+
+import zenoh
+
+from tests.support.programs.ports import free_port
+from tests.support.ros.zenoh_graphs import ADD, DOMAIN, NODE, OTHER, STRING, carriers, router, run, until
+from thbridge.ros2.qos import DEFAULT, LATCHED, SENSOR_DATA, QosProfile
+from thbridge.ros2graph.sockets.zenoh import ZenohCarrier
+from thbridge.ros2graph.sockets.zenoh_settings import peer_settings
+from thbridge.ros2graph.values.graph import EndpointRole
+from thbridge.ros2graph.wire.zenoh.attachments import Attachment
+from thbridge.ros2graph.wire.zenoh.keys import SessionKeys, data_key
+from thbridge.sockets.addresses import Address
+from thbridge.sockets.errors import CannotReach
+
+TOPIC = "/robot1/chatter"
+KEY = data_key(DOMAIN, TOPIC, STRING.dds_name, STRING.hash)
+
+
+def stranger(at: Address) -> zenoh.Session:
+    """Return a session of a program that does not keep the rules of rmw_zenoh."""
+    return zenoh.open(peer_settings("abc", at))
+
+
+def test_messages_arrive_in_order_with_their_publisher():
+    async def scenario():
+        async with router() as at, carriers(2, at) as (here, there):
+            got, own = [], []
+            writer = here.publish(NODE, TOPIC, STRING, DEFAULT)
+            here.subscribe(NODE, TOPIC, STRING, DEFAULT, lambda message, gid: own.append(message))
+            there.subscribe(OTHER, TOPIC, STRING, DEFAULT, lambda message, gid: got.append((message, gid)))
+            assert writer.readers == 0
+            await until(lambda: writer.readers and there.endpoints())
+            for number in range(5):
+                writer.write(bytes([number]))
+            await until(lambda: len(got) == 5)
+            assert [message for message, _ in got] == [bytes([number]) for number in range(5)]
+            assert {there.node_of(gid) for _, gid in got} == {"/robot1/amcl"}
+            assert there.node_of(bytes(16)) == "00" * 16
+            assert (own, writer.readers, writer.dropped) == ([], 1, 0)
+
+    run(scenario)
+
+
+def test_late_subscribers_get_the_last_latched_messages_of_others_only():
+    async def scenario():
+        async with router() as at:
+            here = ZenohCarrier(DOMAIN, at)
+            writer = here.publish(NODE, "/map", STRING, LATCHED)
+            writer.write(b"old")
+            writer.write(b"map")  # before the start, like a node that publishes its map at once
+            assert await here.start() is None
+            got, own = [], []
+            here.subscribe(NODE, "/map", STRING, LATCHED, lambda message, gid: own.append(message))
+            async with carriers(1, at) as (there,):
+                there.subscribe(OTHER, "/map", STRING, LATCHED, lambda message, gid: got.append(message))
+                await until(lambda: got)
+                writer.write(b"next")
+                await until(lambda: len(got) == 2)
+            assert got == [b"map", b"next"]
+            assert own == []
+            await here.stop()
+
+    run(scenario)
+
+
+def test_latched_messages_of_a_publisher_that_comes_later_arrive():
+    async def scenario():
+        async with router() as at, carriers(1, at) as (there,):
+            got = []
+            there.subscribe(OTHER, "/map", STRING, LATCHED, lambda message, gid: got.append(message))
+            async with carriers(1, at) as (here,):
+                here.publish(NODE, "/map", STRING, LATCHED).write(b"map")
+                await until(lambda: got == [b"map"])
+
+    run(scenario)
+
+
+def test_services_answer_at_once_and_later():
+    async def scenario():
+        async with router() as at, carriers(2, at) as (here, there):
+            replies, clients, responses = [], [], []
+
+            def on_request(request, gid, reply):
+                clients.append(there.node_of(gid) if request == b"first" else None)
+                replies.append((request, reply))
+
+            there.serve(OTHER, "/add", ADD, on_request)
+            client = here.client(NODE, "/add", ADD)
+            assert not client.has_server
+            await until(lambda: client.has_server and there.nodes())
+            client.call(b"first", responses.append)
+            client.call(b"second", responses.append)
+            await until(lambda: len(replies) == 2)
+            for request, reply in reversed(replies):
+                reply(request.upper())
+                reply(b"again")  # This has no effect.
+            await until(lambda: len(responses) == 2)
+            assert sorted(responses) == [b"FIRST", b"SECOND"]
+            assert clients[0] == "/robot1/amcl"
+            client.call(b"late", responses.append)
+            await until(lambda: len(replies) == 3)
+            client.close()
+            replies[2][1](b"nobody reads this")
+            await until(lambda: not [each for each in there.endpoints() if each.role is EndpointRole.CLIENT])
+            assert len(responses) == 2
+
+    run(scenario)
+
+
+def test_the_graph_knows_nodes_and_endpoints_of_the_same_domain():
+    async def scenario():
+        async with router() as at, carriers(2, at) as (here, there), carriers(1, at, DOMAIN + 1) as (elsewhere,):
+            here.publish(NODE, TOPIC, STRING, SENSOR_DATA)
+            here.subscribe(NODE, "/map", STRING, LATCHED, lambda message, gid: None)
+            here.client(NODE, "/add", ADD)
+            there.add_node(OTHER)
+            await until(lambda: len(there.endpoints()) == 3 and here.nodes() == [OTHER])
+            found = {each.role: each for each in there.endpoints()}
+            publisher = found[EndpointRole.PUBLISHER]
+            assert (publisher.node, publisher.name, publisher.type) == (NODE, TOPIC, STRING.name)
+            assert (publisher.hash, publisher.qos) == (STRING.hash, SENSOR_DATA)
+            assert found[EndpointRole.SUBSCRIPTION].qos == LATCHED
+            assert found[EndpointRole.CLIENT].type == ADD.name
+            assert there.nodes() == [NODE]
+            assert elsewhere.nodes() == []
+            await here.stop()
+            await until(lambda: not there.nodes() and not there.endpoints())
+
+    run(scenario)
+
+
+def test_a_restarted_router_is_joined_again():
+    async def scenario():
+        port, got = free_port(), []
+        async with router(port) as at:
+            here, there = ZenohCarrier(DOMAIN, at), ZenohCarrier(DOMAIN, at)
+            assert await here.start() is None
+            writer = here.publish(NODE, "/map", STRING, LATCHED)
+            writer.write(b"map")
+        async with router(port):
+            # Only a new router can bring the two programs together.
+            while await there.start() is not None:
+                await asyncio.sleep(0.05)
+            there.subscribe(OTHER, "/map", STRING, LATCHED, lambda message, gid: got.append(message))
+            await until(lambda: got and here.nodes())
+            assert got == [b"map"]
+            assert here.nodes() == [OTHER]
+            await here.stop()
+            await there.stop()
+
+    run(scenario)
+
+
+def test_without_a_router_the_reason_names_the_remedy():
+    async def scenario():
+        carrier = ZenohCarrier(DOMAIN, Address("127.0.0.1", free_port()))
+        found = await carrier.start()
+        assert isinstance(found, CannotReach)
+        assert "Connection refused. Start one with `thbridge ros2 router`" in str(found)
+        await carrier.stop()
+
+    run(scenario)
+
+
+def test_another_program_at_the_address_is_no_router(monkeypatch):
+    monkeypatch.setattr("thbridge.ros2graph.sockets.zenoh_link._CONNECT_SECONDS", 0.3)
+
+    async def scenario():
+        async with await asyncio.start_server(lambda reader, writer: writer.close(), "127.0.0.1", 0) as other:
+            carrier = ZenohCarrier(DOMAIN, Address(*other.sockets[0].getsockname()))
+            assert "is no zenoh router" in str(await carrier.start())
+
+    run(scenario)
+
+
+def test_a_flood_while_the_loop_is_busy_keeps_the_last_messages():
+    async def scenario():
+        async with router() as at, carriers(2, at) as (here, there):
+            got, flooded = [], threading.Event()
+            there.subscribe(OTHER, TOPIC, STRING, QosProfile(3), lambda message, gid: got.append(message))
+            there.subscribe(OTHER, "/end", STRING, DEFAULT, lambda message, gid: None)
+            writer = here.publish(NODE, TOPIC, STRING, QosProfile(5000))
+            await until(lambda: writer.readers)
+            sent = here.publish(NODE, "/other", STRING, DEFAULT)
+            for number in range(2000):
+                writer.write(b"%d" % number)
+            here._link.call(lambda session: flooded.set())
+            assert flooded.wait(30)  # The loop, which both carriers share, does nothing in the meantime.
+            await until(lambda: b"1999" in got)
+            assert len(got) < 2000
+            assert got == sorted(got, key=int)
+            assert (writer.dropped, sent.dropped) == (0, 0)
+
+    run(scenario)
+
+
+def test_hostile_messages_and_requests_are_dropped_and_the_honest_ones_arrive():
+    async def scenario():
+        async with router() as at, carriers(2, at) as (here, there):
+            got, requests = [], []
+            here.subscribe(NODE, TOPIC, STRING, DEFAULT, lambda message, gid: got.append(message))
+            here.serve(NODE, "/add", ADD, lambda request, gid, reply: (requests.append(request), reply(request)))
+            writer, client = there.publish(OTHER, TOPIC, STRING, DEFAULT), there.client(OTHER, "/add", ADD)
+            await until(lambda: writer.readers and client.has_server)
+            with stranger(at) as hostile:
+                hostile.put(KEY, b"no attachment")
+                hostile.put(KEY, b"short", attachment=b"x" * 32)
+                hostile.put(KEY, b"wrong", attachment=b"x" * 33)
+                hostile.delete(KEY, attachment=Attachment(1, 1, bytes(16)).write())
+                key = data_key(DOMAIN, "/add", ADD.dds_name, ADD.hash)
+                replies = [[*hostile.get(key, payload=b"no attachment")], [*hostile.get(key)]]
+                hostile.put(KEY, b"", attachment=Attachment(1, 1, bytes(16)).write())
+                await until(lambda: got)
+            responses = []
+            writer.write(b"honest")
+            client.call(b"honest", responses.append)
+            await until(lambda: len(got) == 2 and responses)
+            assert (got, requests, replies) == ([b"", b"honest"], [b"honest"], [[], []])
+
+    run(scenario)
+
+
+def test_hostile_announcements_change_nothing(caplog):
+    async def scenario():
+        async with router() as at, carriers(2, at) as (here, there):
+            keys = SessionKeys(DOMAIN, "abc").endpoint(
+                1, 2, NODE, EndpointRole.SUBSCRIPTION, TOPIC, STRING.dds_name, STRING.hash, DEFAULT
+            )
+            there.add_node(OTHER)
+            with stranger(at) as hostile:
+                texts = [
+                    f"@ros2_lv/{DOMAIN}/x",
+                    f"@ros2_lv/{DOMAIN}/{'a/' * 500}b",
+                    keys.liveliness.replace("::,10", "::,x"),
+                    keys.liveliness.replace("amcl", "ü"),
+                    *(f"@ros2_lv/{DOMAIN}/flood/{number}" for number in range(500)),
+                ]
+                kept = [hostile.liveliness().declare_token(text) for text in texts]
+                kept.append(hostile.liveliness().declare_token(keys.liveliness))
+                await until(lambda: here.endpoints() and here.nodes())
+                assert [each.gid for each in here.endpoints()] == [keys.gid]
+                assert here.nodes() == [OTHER]
+            await until(lambda: not here.endpoints())
+
+    run(scenario)
+    assert "is invalid" in caplog.text
+
+
+def test_it_listens_on_this_machine_only():
+    settings = json.loads(str(peer_settings("a", Address("robot", 7447))))
+    assert settings["listen"]["endpoints"] == ["tcp/127.0.0.1:0"]
+    assert settings["connect"]["endpoints"] == ["tcp/robot:7447"]
+    assert settings["scouting"]["multicast"]["enabled"] is False

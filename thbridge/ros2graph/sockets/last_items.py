@@ -1,0 +1,90 @@
+"""Bounded queues between the event loop and threads, and a thread for calls that may wait."""
+
+import logging
+import threading
+from collections import deque
+from collections.abc import Callable
+from queue import SimpleQueue
+from typing import Generic, TypeAlias, TypeVar
+
+_log = logging.getLogger(__name__)
+
+MOST_BYTES = 64 << 20
+"""Maximum number of bytes that wait in a queue."""
+
+Job: TypeAlias = Callable[[], None]
+_Item = TypeVar("_Item")
+
+
+class LastItems(Generic[_Item]):
+    """Queue that keeps the last items for a consumer on another thread. Any thread may add items.
+
+    Args:
+        depth: maximum number of items.
+        wake: function that calls its argument on the consumer's thread. At most `depth` calls are pending.
+        consume: consumer of one item.
+    """
+
+    def __init__(self, depth: int, wake: Callable[[Job], None], consume: Callable[[_Item], None]) -> None:
+        self._depth = max(depth, 1)
+        self._wake = wake
+        self._consume = consume
+        self._items: deque[tuple[_Item, int]] = deque()
+        self._bytes = 0
+        self._calls = 0
+        self._lock = threading.Lock()
+        self.dropped = 0
+
+    def push(self, item: _Item, size: int) -> None:
+        """Add an item with a number of bytes. If the queue is full, drop the oldest items."""
+        with self._lock:
+            while self._items and (len(self._items) >= self._depth or self._bytes + size > MOST_BYTES):
+                self._bytes -= self._items.popleft()[1]
+                self.dropped += 1
+            self._items.append((item, size))
+            self._bytes += size
+            calls = self._calls < len(self._items)
+            self._calls += calls
+        if calls:
+            self._wake(self._next)
+
+    def _next(self) -> None:
+        with self._lock:
+            self._calls -= 1
+            if not self._items:
+                return
+            item, size = self._items.popleft()
+            self._bytes -= size
+        self._consume(item)
+
+
+class CallThread:
+    """Thread that makes calls one after the other. Calls that are posted before the start wait for it.
+
+    It is a daemon: a call that never returns does not block the end of the program.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._jobs: SimpleQueue[Job | None] = SimpleQueue()
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+
+    def start(self) -> None:
+        """Begin to make the calls."""
+        self._thread.start()
+
+    def post(self, job: Job) -> None:
+        """Make a call after the calls that are already posted. This never waits."""
+        self._jobs.put(job)
+
+    def end(self, seconds: float) -> bool:
+        """Make the posted calls and end. Return False if this takes longer than this number of seconds."""
+        self._jobs.put(None)
+        self._thread.join(seconds)
+        return not self._thread.is_alive()
+
+    def _run(self) -> None:
+        while (job := self._jobs.get()) is not None:
+            try:
+                job()
+            except Exception:
+                _log.exception("a call failed")

@@ -1,0 +1,250 @@
+"""Publishers, subscriptions, servers and clients on zenoh."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable, Container
+from weakref import WeakSet
+
+import zenoh
+from zenoh import ext
+from zenoh.handlers import Callback
+
+from thbridge.ros2.qos import Durability, QosProfile, Reliability
+from thbridge.ros2graph.sockets.carrier import OnMessage, OnRequest
+from thbridge.ros2graph.sockets.last_items import LastItems
+from thbridge.ros2graph.sockets.zenoh_link import ZenohLink
+from thbridge.ros2graph.wire.zenoh.attachments import Attachment
+from thbridge.ros2graph.wire.zenoh.keys import EndpointKeys
+from thbridge.sockets.warn_once import WarnOnce
+
+_warnings = WarnOnce(logging.getLogger(__name__))
+
+_HEARTBEAT_SECONDS = 0.5
+"""Period in which publishers of latched topics repeat the number of their last message, as in rmw_zenoh."""
+_CALL_SECONDS = 24 * 3600
+"""Seconds until a call of a service fails. Results of actions may take long."""
+_REQUESTS = 64
+"""Maximum number of requests that wait for the event loop."""
+_MOST_OPEN = 256
+"""Maximum number of requests of a service that wait for their response."""
+
+
+class ZenohWriter:
+    """Publisher on zenoh.
+
+    Args:
+        count: function that returns the number of matched subscriptions.
+    """
+
+    def __init__(self, link: ZenohLink, keys: EndpointKeys, qos: QosProfile, count: Callable[[], int]) -> None:
+        self._gid = keys.gid
+        self._count = count
+        self._number = 0
+        self._publisher: zenoh.Publisher | ext.AdvancedPublisher | None = None
+        self._pending = LastItems(qos.depth, lambda job: link.call(lambda _: job()), self._put)
+
+        def declare(session: zenoh.Session) -> None:
+            self._publisher = _publisher(session, keys.data, qos)
+            link.keep(self._publisher)
+
+        link.call(declare)
+
+    @property
+    def readers(self) -> int:
+        """Number of matched subscriptions of other programs."""
+        return self._count()
+
+    @property
+    def dropped(self) -> int:
+        """Number of messages that newer ones replaced before zenoh could send them."""
+        return self._pending.dropped
+
+    def write(self, message: bytes) -> None:
+        """Send a message to all matched subscriptions. This never waits."""
+        self._number += 1
+        attachment = Attachment(self._number, time.time_ns(), self._gid).write()
+        self._pending.push((message, attachment), len(message))
+
+    def _put(self, item: tuple[bytes, bytes]) -> None:
+        if self._publisher is not None:
+            self._publisher.put(item[0], attachment=item[1])
+
+
+class ZenohClient:
+    """Client of a service on zenoh.
+
+    Args:
+        has_server: function that returns True if a server is known.
+    """
+
+    def __init__(self, link: ZenohLink, keys: EndpointKeys, has_server: Callable[[], bool]) -> None:
+        self._link = link
+        self._keys = keys
+        self._has_server = has_server
+        self._number = 0
+        self._closed = False
+
+    @property
+    def has_server(self) -> bool:
+        """True if a server is known."""
+        return self._has_server()
+
+    def call(self, request: bytes, on_response: Callable[[bytes], None]) -> None:
+        """Send a request. The callback gets the first response."""
+        self._number += 1
+        attachment = Attachment(self._number, time.time_ns(), self._keys.gid).write()
+        answered = False
+
+        def deliver(response: bytes) -> None:
+            nonlocal answered
+            if not (answered or self._closed):
+                answered = True
+                on_response(response)
+
+        pending = LastItems(1, self._link.wake, deliver)
+
+        def take(reply: zenoh.Reply) -> None:
+            if reply.ok is not None and not answered:
+                response = reply.ok.payload.to_bytes()
+                pending.push(response, len(response))
+
+        def send(session: zenoh.Session) -> None:
+            session.get(
+                self._keys.data,
+                Callback(take, indirect=False),
+                target=zenoh.QueryTarget.ALL_COMPLETE,
+                consolidation=zenoh.ConsolidationMode.NONE,
+                timeout=_CALL_SECONDS,
+                payload=request,
+                attachment=attachment,
+            )
+
+        self._link.call(send)
+
+    def close(self) -> None:
+        """Leave the graph. No further response is delivered."""
+        if not self._closed:
+            self._closed = True
+            self._link.withdraw(self._keys.liveliness)
+
+
+def subscribe(
+    link: ZenohLink, keys: EndpointKeys, qos: QosProfile, on_message: OnMessage, own: Container[bytes]
+) -> None:
+    """Subscribe to the messages of other programs.
+
+    Args:
+        own: gids of this program's publishers. Their latched messages would arrive, too.
+    """
+    pending = LastItems[tuple[bytes, bytes]](qos.depth, link.wake, lambda item: on_message(*item))
+
+    def take(sample: zenoh.Sample) -> None:
+        attachment = _attachment(sample.attachment, keys.data)
+        # The library's enumerations have no single instances, so "is" does not compare them.
+        if attachment is not None and attachment.gid not in own and sample.kind == zenoh.SampleKind.PUT:
+            message = sample.payload.to_bytes()
+            pending.push((message, attachment.gid), len(message))
+
+    link.call(lambda session: link.keep(_subscriber(session, keys.data, qos, Callback(take, indirect=False))))
+
+
+def serve(link: ZenohLink, keys: EndpointKeys, on_request: OnRequest) -> None:
+    """Serve requests of other programs."""
+    waiting: WeakSet[_Response] = WeakSet()
+
+    def begin(item: tuple[bytes, Attachment, zenoh.Query]) -> None:
+        request, attachment, query = item
+        if len(waiting) >= _MOST_OPEN:
+            _warnings.warn(f"{keys.data}: {_MOST_OPEN} requests wait for their response; more are refused")
+            return
+        response = _Response(link, keys.data, attachment, query, waiting)
+        on_request(request, attachment.gid, response)
+
+    pending = LastItems(_REQUESTS, link.wake, begin)
+
+    def take(query: zenoh.Query) -> None:
+        attachment = _attachment(query.attachment, keys.data)
+        if attachment is not None and query.payload is not None:
+            request = query.payload.to_bytes()
+            pending.push((request, attachment, query), len(request))
+
+    def declare(session: zenoh.Session) -> None:
+        link.keep(session.declare_queryable(keys.data, Callback(take, indirect=False), complete=True))
+
+    link.call(declare)
+
+
+class _Response:
+    """Function that sends the response to a request, once.
+
+    Args:
+        waiting: set of the requests that wait for their response.
+    """
+
+    def __init__(
+        self, link: ZenohLink, data: str, request: Attachment, query: zenoh.Query, waiting: WeakSet[_Response]
+    ) -> None:
+        self._link = link
+        self._data = data
+        self._request = request
+        self._query = query
+        self._waiting = waiting
+        waiting.add(self)
+
+    def __call__(self, response: bytes) -> None:
+        if self not in self._waiting:
+            return
+        self._waiting.discard(self)
+        attachment = Attachment(self._request.number, time.time_ns(), self._request.gid).write()
+
+        def send(_: zenoh.Session) -> None:
+            self._query.reply(self._data, response, attachment=attachment)
+            self._query.drop()
+
+        self._link.call(send)
+
+
+def _attachment(data: zenoh.ZBytes | None, key: str) -> Attachment | None:
+    """Return the attachment of a message or request. If it is missing or invalid, log this once and return None."""
+    attachment = None if data is None else Attachment.read(data.to_bytes())
+    if attachment is None:
+        _warnings.warn(f"{key}: a message without a valid attachment is dropped; its program is no rmw_zenoh")
+    return attachment
+
+
+def _publisher(session: zenoh.Session, key: str, qos: QosProfile) -> zenoh.Publisher | ext.AdvancedPublisher:
+    is_reliable = qos.reliability is Reliability.RELIABLE
+    reliability = zenoh.Reliability.RELIABLE if is_reliable else zenoh.Reliability.BEST_EFFORT
+    drop = zenoh.CongestionControl.DROP
+    if qos.durability is Durability.VOLATILE:
+        return session.declare_publisher(key, reliability=reliability, congestion_control=drop)
+    misses = ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=_HEARTBEAT_SECONDS)
+    return ext.declare_advanced_publisher(
+        session,
+        key,
+        reliability=reliability,
+        congestion_control=drop,
+        cache=ext.CacheConfig(max_samples=qos.depth),
+        sample_miss_detection=misses if is_reliable else None,
+        publisher_detection=True,
+    )
+
+
+def _subscriber(
+    session: zenoh.Session, key: str, qos: QosProfile, take: Callback[zenoh.Sample]
+) -> zenoh.Subscriber[None] | ext.AdvancedSubscriber[None]:
+    origin = zenoh.Locality.REMOTE
+    if qos.durability is Durability.VOLATILE:
+        return session.declare_subscriber(key, take, allowed_origin=origin)
+    recovery = ext.RecoveryConfig(periodic_queries=None, heartbeat=True)
+    return ext.declare_advanced_subscriber(
+        session,
+        key,
+        take,
+        allowed_origin=origin,
+        history=ext.HistoryConfig(detect_late_publishers=True, max_samples=qos.depth),
+        recovery=recovery if qos.reliability is Reliability.RELIABLE else None,
+        subscriber_detection=True,
+    )

@@ -1,0 +1,115 @@
+"""Session of zenoh, with a thread that makes all calls, because zenoh may wait for slow peers in any call."""
+
+import asyncio
+import logging
+from collections.abc import Callable
+
+import zenoh
+
+from thbridge.ros2graph.sockets.last_items import CallThread, Job
+from thbridge.ros2graph.sockets.zenoh_settings import peer_settings
+from thbridge.sockets.addresses import Address
+from thbridge.sockets.errors import CannotReach
+
+_log = logging.getLogger(__name__)
+
+_CONNECT_SECONDS = 5.0
+"""Seconds that a router has to accept a connection, and then the session."""
+_POLL_SECONDS = 0.02
+_STOP_SECONDS = 5.0
+"""Seconds that zenoh has to end the session."""
+_REMEDY = "Start one with `thbridge ros2 router` or `ros2 run rmw_zenoh_cpp rmw_zenohd`, or name another address"
+
+
+class ZenohLink:
+    """Connection to a zenoh network. Calls can be posted before it is open.
+
+    Args:
+        session: id of the session: hexadecimal digits without leading zeros.
+        router: address of a router.
+    """
+
+    def __init__(self, session: str, router: Address) -> None:
+        self._id = session
+        self._router = router
+        self._calls = CallThread("zenoh")
+        self._session: zenoh.Session | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._tokens: dict[str, zenoh.LivelinessToken] = {}
+        self._declared: list[object] = []
+
+    async def open(self) -> CannotReach | None:
+        """Connect, and make the calls that are posted. Return the reason if there is no router."""
+        try:
+            async with asyncio.timeout(_CONNECT_SECONDS):
+                _, writer = await asyncio.open_connection(*self._router)
+                writer.close()
+        except OSError as error:  # TimeoutError is one, too.
+            return CannotReach.because(error, "zenoh router", self._router, _REMEDY)
+        try:
+            session = await asyncio.to_thread(zenoh.open, peer_settings(self._id, self._router))
+        except zenoh.ZError as error:
+            return CannotReach("zenoh router", self._router, str(error), _REMEDY)
+        if not await _is_connected(session):
+            await asyncio.to_thread(session.close)
+            return CannotReach("zenoh router", self._router, "the program there is no zenoh router", _REMEDY)
+        self._session, self._loop = session, asyncio.get_running_loop()
+        self._calls.start()
+        return None
+
+    async def close(self) -> None:
+        """Make the posted calls, end the session, and announce this to the other programs."""
+        self._loop = None
+        if self._session is None:
+            return
+        self.call(self._end)
+        if not await asyncio.to_thread(self._calls.end, _STOP_SECONDS):
+            _log.warning("zenoh did not end its session in time; it ends with the program")
+
+    def call(self, job: Callable[[zenoh.Session], None]) -> None:
+        """Make a call of zenoh after all posted calls. This never waits. After the end, nothing happens."""
+
+        def run() -> None:
+            if self._session is not None:
+                job(self._session)
+
+        self._calls.post(run)
+
+    def wake(self, job: Job) -> None:
+        """Make a call on the event loop. Any thread may ask for this. After the end, nothing happens."""
+        loop = self._loop
+        if loop is not None:
+            loop.call_soon_threadsafe(lambda: None if self._loop is None else job())
+
+    def keep(self, declared: object) -> None:
+        """Keep a declared object until the end; otherwise, zenoh withdraws the declaration."""
+        self._declared.append(declared)
+
+    def announce(self, key: str) -> None:
+        """Announce a liveliness key to the other programs."""
+
+        def declare(session: zenoh.Session) -> None:
+            self._tokens[key] = session.liveliness().declare_token(key)
+
+        self.call(declare)
+
+    def withdraw(self, key: str) -> None:
+        """Withdraw a liveliness key."""
+        self.call(lambda _: self._tokens.pop(key).undeclare())
+
+    def _end(self, session: zenoh.Session) -> None:
+        self._session = None
+        session.close()
+        self._tokens.clear()
+        self._declared.clear()
+
+
+async def _is_connected(session: zenoh.Session) -> bool:
+    """Wait until the session is connected. Return False if this takes too long."""
+    try:
+        async with asyncio.timeout(_CONNECT_SECONDS):
+            while not (session.info.routers_zid() or session.info.peers_zid()):
+                await asyncio.sleep(_POLL_SECONDS)
+    except TimeoutError:
+        return False
+    return True

@@ -1,0 +1,63 @@
+"""Settings of zenoh sessions: those of rmw_zenoh, as far as they differ from zenoh's defaults.
+
+Source: rmw_zenoh, DEFAULT_RMW_ZENOH_SESSION_CONFIG.json5 and DEFAULT_RMW_ZENOH_ROUTER_CONFIG.json5.
+"""
+
+import json
+from typing import TypeAlias
+
+import zenoh
+
+from thbridge.sockets.addresses import LOCALHOST, Address
+
+Setting: TypeAlias = "bool | int | str | list[str] | dict[str, Setting]"
+
+_LONGEST_MESSAGE = 32 << 20
+"""Maximum number of bytes of a received message. zenoh's default is 1 GiB."""
+
+
+def peer_settings(session: str, router: Address) -> zenoh.Config:
+    """Return the settings of a node's session with this id. It listens on this machine only.
+
+    It connects to the router, and again whenever the connection is lost.
+    """
+    return _config(
+        {
+            "mode": "peer",
+            "id": session,
+            "connect": {
+                "endpoints": [_endpoint(router)],
+                "timeout_ms": -1,
+                "exit_on_failure": False,
+                "retry": {"period_init_ms": 500, "period_max_ms": 2000},
+            },
+            "listen": {"endpoints": [_endpoint(Address(LOCALHOST, 0))]},
+        }
+    )
+
+
+def router_settings(address: Address) -> zenoh.Config:
+    """Return the settings of a router that listens at this address."""
+    return _config({"mode": "router", "listen": {"endpoints": [_endpoint(address)]}})
+
+
+def _config(settings: dict[str, Setting]) -> zenoh.Config:
+    common: dict[str, Setting] = {
+        "scouting": {
+            "multicast": {"enabled": False},
+            "gossip": {
+                "enabled": True,
+                "target": {"router": ["router", "peer"], "peer": ["router"]},
+                "autoconnect": {"router": [], "peer": ["router", "peer"]},
+                "autoconnect_strategy": {"peer": {"to_router": "always", "to_peer": "greater-zid"}},
+            },
+        },
+        # Caches of latched topics work only with time stamps.
+        "timestamping": {"enabled": True},
+        "transport": {"link": {"rx": {"max_message_size": _LONGEST_MESSAGE}}},
+    }
+    return zenoh.Config.from_json5(json.dumps(common | settings))
+
+
+def _endpoint(address: Address) -> str:
+    return f"tcp/{address}"
