@@ -88,6 +88,10 @@ class _Commands(CommandGroup):
             "ROS 1: message types, a ROS master, and views for rviz and Foxglove.",
             {"ui.commands.ros:ros_": "messages master rviz foxglove"},
         ),
+        "ros2": group(
+            "ROS 2: a zenoh router.",
+            {"ui.commands.ros2:ros2_": "router"},
+        ),
         "keys": group(
             "Keys: create, list and revoke the keys with which programs and windows on other machines connect.",
             {"ui.commands.keys:keys_": "new list revoke"},

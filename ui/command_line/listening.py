@@ -9,7 +9,7 @@ from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.mavlink.files.signing_key import read_signing_key
 from thbridge.mavlink.files.signing_timestamps import TimestampFile
 from thbridge.mavlink.sockets.server import MavlinkPorts
-from thbridge.ros2graph.values.address import Ros2Address
+from thbridge.ros2graph.values.address import CarrierKind, Ros2Address
 from thbridge.rosgraph.sockets.joining import GraphAddress, MasterPresence, is_master_uri
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, WATCH_PORT, ListeningAddress, parse_address
 from thbridge.sockets.admission import Admission
@@ -18,6 +18,7 @@ from thbridge.sockets.keys import RingKeys
 from thbridge.study.study_file import Study
 from ui.command_line.keys import watch_keys
 from ui.command_line.options import Ros2Options, RosOptions, WatchOptions
+from ui.command_line.ros2 import check_zenoh
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 
 
@@ -38,7 +39,10 @@ def ros2_of(study: Study, options: Ros2Options) -> Ros2Address | None:
         return None
     address = study.ros2.address
     domain = address.domain if options.ros2_domain is None else options.ros2_domain
-    return dataclasses.replace(address, domain=domain, carrier=options.carrier or address.carrier)
+    address = dataclasses.replace(address, domain=domain, carrier=options.carrier or address.carrier)
+    if address.carrier is CarrierKind.ZENOH:
+        check_zenoh("--carrier zenoh")
+    return address
 
 
 def watch_of(
@@ -94,8 +98,8 @@ def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts 
     return MavlinkPorts(section.targets, tcp, secret, listens, Admission.to(study.open_to), store)
 
 
-def hosts_of(graph: GraphAddress | None, quiet: bool = False, ros2: Ros2Address | None = None) -> StartupCallbacks:
-    """Return callbacks that report the start of the ROS graphs and of the ports for watching, MAVLink and Foxglove.
+def hosts_of(graph: GraphAddress | None, quiet: bool = False) -> StartupCallbacks:
+    """Return callbacks that report the start of the ROS graph and of the ports for watching, MAVLink and Foxglove.
 
     If a start fails, its callback ends the program.
     """
@@ -124,13 +128,4 @@ def hosts_of(graph: GraphAddress | None, quiet: bool = False, ros2: Ros2Address 
         if not quiet:
             note(f"Foxglove can connect to ws://{where.host}:{where.port}.")
 
-    def joined_ros2(rivals: Sequence[str] | CannotListen) -> None:
-        if isinstance(rivals, CannotListen):
-            fail(BAD_INPUT, f"ROS 2: {rivals}")
-        if rivals:
-            problem = f"another program in this domain already has the node {rivals[0]}"
-            fail(BAD_INPUT, f"ROS 2: {problem}. Stop it, or choose another domain with --ros2-domain.")
-        if not quiet:
-            note(f"ROS 2: {ros2}.")
-
-    return StartupCallbacks(joined, watched, linked, shown, joined_ros2)
+    return StartupCallbacks(joined, watched, linked, shown)
