@@ -96,7 +96,7 @@ def declared_parameters(
         place, hint = f"{path}.{field.name}" if path else field.name, cast(object, hints[field.name])
         if isinstance(hint, type) and dataclasses.is_dataclass(hint):
             yield from declared_parameters(hint, place)
-        else:
+        elif "unit" in field.metadata:  # Other fields are not declared as parameters.
             known = field.metadata
             yield DeclaredParameter(
                 place,

@@ -21,6 +21,7 @@ from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.roles.shared.robot_requests import Request
 from thbridge.ros.publisher import TeamPublisher
+from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.rosgraph.sockets.joining import GraphAddress, MasterPresence
 from thbridge.sockets.addresses import LOCALHOST, ListeningAddress
 from thbridge.sockets.errors import CannotListen
@@ -61,6 +62,10 @@ class ListenerOptions(Protocol):
         """The ROS graph to join; None if there is none."""
 
     @property
+    def ros2(self) -> Ros2Address | None:
+        """The ROS 2 graph to join; None if there is none."""
+
+    @property
     def watch(self) -> WatchAddress | None:
         """Address of the watch server; None if there is none."""
 
@@ -83,12 +88,15 @@ class StartupCallbacks:
         linked: callback with the addresses of MAVLink links, such as "udp 127.0.0.1:14550", or the reason why there are
             no links.
         shown: callback with the address for Foxglove, or the reason why there is no address.
+        joined_ros2: callback with the full names of nodes of other programs that already speak for these robots on the
+            ROS 2 graph, or the reason why the graph cannot be joined.
     """
 
     joined: Callable[[MasterPresence | CannotListen], None]
     watched: Callable[[ListeningAddress | CannotListen], None]
     linked: Callable[[Sequence[str] | CannotListen], None] = _ignore
     shown: Callable[[ListeningAddress | CannotListen], None] = _ignore
+    joined_ros2: Callable[[Sequence[str] | CannotListen], None] = _ignore
 
 
 NO_CALLBACKS = StartupCallbacks(_ignore, _ignore)
@@ -133,6 +141,15 @@ async def listeners(
             live = LiveGraph(options.graph, build_team_description(setting, publisher), team, requests, receive_frame)
             await opened.enter_async_context(on_graph(live, options.graph, callbacks.joined))
             listening.append(live)
+        if options.ros2 is not None:
+            # The import is here because sessions without ROS 2 do not need its message types.
+            from thbridge.app.live_graph.live_ros2 import on_ros2_graph  # noqa: PLC0415
+
+            described = build_team_description(setting, publisher)
+            nodes = on_ros2_graph(options.ros2, described, team, requests, receive_frame)
+            live2, rivals = await opened.enter_async_context(nodes)
+            callbacks.joined_ros2(rivals)
+            listening.append(live2)
         if options.watch is not None:
             desk = WatchRequestHandler(ask, team, pacer, granted, has_game=has_game)
             server = WatchServer(desk, options.watch.keys, bag=options.bag, game=game_address)

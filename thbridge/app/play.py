@@ -43,6 +43,7 @@ from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentSt
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.seat_programs import program_of, programs_of
 from thbridge.ros.names import GRAPH_LINK
+from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.rosgraph.sockets.joining import GraphAddress
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.admission import Admission
@@ -168,6 +169,7 @@ class PlayOptions:
             log of inputs can resume the hunt.
         ticks_at_once: number of ticks that run one after the other while there are no inputs. The processor needs less
             time for them than for ticks with pauses between them, but other programs see them late.
+        ros2: the ROS 2 graph to join; None if there is none.
         seats: names of the seats that participants have at the start; the hunt waits for the consent of these. If None,
             participants have all seats.
     """
@@ -188,6 +190,7 @@ class PlayOptions:
     run: str = ""
     checkpoints: Checkpoints | None = None
     ticks_at_once: int = 1
+    ros2: Ros2Address | None = None
     seats: frozenset[str] | None = None
 
 

@@ -21,6 +21,7 @@ from thbridge.roles.shared.notices import KEEPER, SIMR_NOTICES, ConsentQuery, Hi
 from thbridge.roles.shared.role import Role
 from thbridge.roles.shared.view import View
 from thbridge.roles.simr.simr import SimR
+from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.rosgraph.sockets.joining import GraphAddress
 from thbridge.sockets.reconnecting import ConnectionLost, LossReason
 from thbridge.text_protocol.sockets.client import TextClient
@@ -217,6 +218,7 @@ class SimrOptions:
         watch: address of the watch server; None if there is none.
         foxglove: TCP port of this machine for Foxglove; None if there is none.
         key: key for the text server; None if no key is needed.
+        ros2: the ROS 2 graph to join; None if there is none.
     """
 
     host: str
@@ -228,6 +230,7 @@ class SimrOptions:
     watch: WatchAddress | None = None
     foxglove: int | None = None
     key: ClientKey | None = None
+    ros2: Ros2Address | None = None
 
 
 async def simr(

@@ -90,6 +90,7 @@ class SessionTopics:
         robots: number of robots.
 
     Attributes:
+        targets: topics of the graph by the name of the topic of the session, each with its conversion.
         all: all topics of the graph.
         left_out: topics of ROS 1 that have no topic on the graph.
     """
@@ -97,18 +98,9 @@ class SessionTopics:
     def __init__(self, distribution: Distribution, topics: Sequence[Topic], robots: int) -> None:
         self._distribution = distribution
         self._robots = [RobotNames.of(robot) for robot in range(robots)]
-        self._targets: dict[str, list[tuple[Ros2Topic, Convert]]] = {}
-        self.left_out: list[str] = []
-        for topic in (CLOCK, *topics):
-            targets = list(self._targets_of(topic))
-            self._targets[topic.name] = targets
-            if not targets:
-                self.left_out.append(topic.name)
-        self.all = tuple(target for targets in self._targets.values() for target, _ in targets)
-
-    def targets(self, topic: Topic) -> Sequence[tuple[Ros2Topic, Convert]]:
-        """Return the topics of the graph for a topic of the session, each with its conversion."""
-        return self._targets.get(topic.name, ())
+        self.targets = {topic.name: tuple(self._targets_of(topic)) for topic in (CLOCK, *topics)}
+        self.left_out = tuple(name for name, targets in self.targets.items() if not targets)
+        self.all = tuple(target for targets in self.targets.values() for target, _ in targets)
 
     def _targets_of(self, topic: Topic) -> Iterator[tuple[Ros2Topic, Convert]]:
         within = self._within(topic.name)

@@ -98,8 +98,8 @@ def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts 
     return MavlinkPorts(section.targets, tcp, secret, listens, Admission.to(study.open_to), store)
 
 
-def hosts_of(graph: GraphAddress | None, quiet: bool = False) -> StartupCallbacks:
-    """Return callbacks that report the start of the ROS graph and of the ports for watching, MAVLink and Foxglove.
+def hosts_of(graph: GraphAddress | None, quiet: bool = False, ros2: Ros2Address | None = None) -> StartupCallbacks:
+    """Return callbacks that report the start of the ROS graphs and of the ports for watching, MAVLink and Foxglove.
 
     If a start fails, its callback ends the program.
     """
@@ -128,4 +128,13 @@ def hosts_of(graph: GraphAddress | None, quiet: bool = False) -> StartupCallback
         if not quiet:
             note(f"Foxglove can connect to ws://{where.host}:{where.port}.")
 
-    return StartupCallbacks(joined, watched, linked, shown)
+    def joined_ros2(rivals: Sequence[str] | CannotListen) -> None:
+        if isinstance(rivals, CannotListen):
+            fail(BAD_INPUT, f"ROS 2: {rivals}")
+        if rivals:
+            problem = f"another program in this domain already has the node {rivals[0]}"
+            fail(BAD_INPUT, f"ROS 2: {problem}. Stop it, or choose another domain with --ros2-domain.")
+        if not quiet:
+            note(f"ROS 2: {ros2}.")
+
+    return StartupCallbacks(joined, watched, linked, shown, joined_ros2)

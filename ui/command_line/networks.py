@@ -6,12 +6,14 @@ import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, NoReturn
 
+from thbridge.ros2graph.values.address import CarrierKind
 from thbridge.sockets.addresses import parse_address
 from thbridge.sockets.admission import is_own, parse_network
 from ui.command_line.terminal import BAD_INPUT, command, fail, note
 
 if TYPE_CHECKING:
     from thbridge.app.listeners import WatchAddress
+    from thbridge.ros2graph.values.address import Ros2Address
     from thbridge.rosgraph.sockets.joining import GraphAddress
     from thbridge.sockets.keys import RingKeys
     from thbridge.study.study_file import Study
@@ -57,6 +59,7 @@ def check_doors(
     keys: RingKeys | None = None,
     watch: WatchAddress | None = None,
     graph: GraphAddress | None = None,
+    ros2: Ros2Address | None = None,
     *,
     serves_text: bool = True,
 ) -> None:
@@ -67,10 +70,11 @@ def check_doors(
         keys: keys of programs and windows on other machines.
         watch: address for researchers' windows.
         graph: ROS graph that the session joins.
+        ros2: ROS 2 graph that the session joins.
         serves_text: False for a program whose text server is elsewhere.
     """
     networks = ", ".join(study.open_to)
-    plain, keyed = _exposed(_plain_doors(study, graph)), {}
+    plain, keyed = _exposed(_plain_doors(study, graph, ros2)), {}
     if serves_text and not is_own(study.server.host):
         if keys is not None:
             keyed["the text server"] = study.server.host
@@ -104,10 +108,12 @@ def _note_plain(networks: Iterable[str], what: Iterable[str]) -> None:
     note(f"These servers accept clients from {known} without a key and without encryption: {', '.join(what)}.")
 
 
-def _plain_doors(study: Study, graph: GraphAddress | None) -> dict[str, str]:
+def _plain_doors(study: Study, graph: GraphAddress | None, ros2: Ros2Address | None) -> dict[str, str]:
     """Return the host of each server that requires no key, except the text server."""
     mavlink = study.mavlink
     hosts = {} if graph is None else {"ROS": graph.host}
+    if ros2 is not None and ros2.carrier is CarrierKind.DDS:
+        hosts["ROS 2"] = ros2.host
     if mavlink.on:
         listens = (("MAVLink by TCP", mavlink.tcp), ("MAVLink by UDP", mavlink.udp_listen))
         hosts |= {what: address.host for what, at in listens if at and (address := parse_address(at))}

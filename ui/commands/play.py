@@ -28,6 +28,7 @@ from ui.command_line.options import (
     ProgressKind,
     ProgressOption,
     Robots,
+    Ros2Options,
     RosOptions,
     SeatName,
     Seed,
@@ -95,6 +96,7 @@ def play(
     ] = None,
     *,
     ros: RosOptions,
+    ros2: Ros2Options,
     watching: WatchOptions,
     keys: Keys = None,
     open_to: OpenTo = None,
@@ -131,7 +133,7 @@ def play(
     from thbridge.text_protocol.wire import legacy
     from ui.command_line.event_loop import run
     from ui.command_line.keys import keys_of
-    from ui.command_line.listening import check_foxglove, graph_of, hosts_of, ports_of, watch_of
+    from ui.command_line.listening import check_foxglove, graph_of, hosts_of, ports_of, ros2_of, watch_of
     from ui.command_line.networks import check_doors, with_open_to
     from ui.command_line.outcome import show_outcome, usual_bag
     from ui.command_line.progress import shown_progress
@@ -177,7 +179,7 @@ def play(
     setting = setting_of(study, study_file)
     note_doubts(setting)
     others = _roles(outside, study)
-    graph = graph_of(ros, study.open_to)
+    graph, graph2 = graph_of(ros, study.open_to), ros2_of(study, ros2)
     who = participant or study.participant.strategy
     if seat is not None and not (windowed or who == PERSON):
         why = why_no_window() if may_open else None
@@ -187,11 +189,11 @@ def play(
     ports = ports_of(study, study_file, mavlink.signing_key)
     people = windowed or bool(others) or who == PERSON or ports is not None
     limit = max_seconds or (math.inf if people else AN_HOUR)
-    pace = next(given for given in (rate, study.rate, float(people or ros.join)) if given is not None)
-    callbacks = hosts_of(graph, as_json)
+    pace = next(given for given in (rate, study.rate, float(people or ros.join or ros2.join_ros2)) if given is not None)
+    callbacks = hosts_of(graph, as_json, graph2)
     ring = keys_of(study, study_file, keys)
     door = watch_of(study, study_file, watching, ring)
-    check_doors(study, ring, door, graph)
+    check_doors(study, ring, door, graph, graph2)
     check_foxglove(watching.foxglove)
     if windowed:
         free = study_file is None and language is None and study.dialogue.language == STANDARD.dialogue.language
@@ -208,6 +210,7 @@ def play(
             foxglove=watching.foxglove,
             mavlink=ports,
             keys=ring,
+            ros2=graph2,
         )
         compile_ahead(whole_hunt=True, look=look.value)
         games = WindowGames(study, study_file, options, report_page is not False, callbacks, own_seat)
@@ -255,6 +258,7 @@ def play(
             mavlink=ports,
             keys=ring,
             run=new_token(),
+            ros2=graph2,
         )
         program = hunt.play(setting, participants, options, ready, follow, callbacks)
         shown = nullcontext(untold) if who == PERSON else shown_progress(progress, "play", beside_text=not as_json)

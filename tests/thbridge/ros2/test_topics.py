@@ -48,7 +48,7 @@ def test_the_transforms_of_each_robot_are_in_its_namespace(topics: SessionTopics
         target.name: [
             each.child_frame_id for each in Distribution.of("jazzy").decode(target.type, convert(message)).transforms
         ]
-        for target, convert in topics.targets(TF)
+        for target, convert in topics.targets[TF.name]
     }
     assert frames == {
         "/tf": ["robot1/odom", "robot2/base_footprint"],
@@ -62,7 +62,7 @@ def test_particles_have_equal_weights(topics: SessionTopics, count: int) -> None
     poses = np.linspace(0.0, 1.0, 3 * count).reshape(count, 3)
     topic = next(each for each in PUBLISHER.topics if each.name == "/robot1/particlecloud")
     message = RosMessage(topic, 0, pack.pose_array(5, "map", poses))
-    ((target, convert),) = topics.targets(topic)
+    ((target, convert),) = topics.targets[topic.name]
     cloud = Distribution.of("jazzy").decode(target.type, convert(message))
     assert cloud.header.frame_id == "map"
     assert [each.pose.position.x for each in cloud.particles] == poses[:, 0].tolist()
@@ -71,6 +71,6 @@ def test_particles_have_equal_weights(topics: SessionTopics, count: int) -> None
 
 def test_the_clock_is_a_topic(topics: SessionTopics) -> None:
     message = clock_message(50)
-    ((target, convert),) = topics.targets(message.topic)
+    ((target, convert),) = topics.targets[message.topic.name]
     assert target.name == "/clock"
     assert Distribution.of("jazzy").decode(target.type, convert(message)).clock.sec == 2

@@ -25,6 +25,7 @@ from ui.command_line.options import (
     ParticipantName,
     Port,
     Robots,
+    Ros2Options,
     RosOptions,
     SeatName,
     Seed,
@@ -99,6 +100,7 @@ def simr(
     bag: BagFile = None,
     *,
     ros: RosOptions,
+    ros2: Ros2Options,
     watching: WatchOptions,
     open_to: OpenTo = None,
 ) -> None:
@@ -108,7 +110,7 @@ def simr(
     from thbridge.app.real_robots import simr_with_real_robots
     from ui.command_line.event_loop import run
     from ui.command_line.keys import key_of, keys_of
-    from ui.command_line.listening import check_foxglove, graph_of, hosts_of, watch_of
+    from ui.command_line.listening import check_foxglove, graph_of, hosts_of, ros2_of, watch_of
     from ui.command_line.networks import check_doors, with_open_to
     from ui.command_line.settings import note_doubts, setting_of, study_of
     from ui.commands.programs.client import address_of, new_token, settings_without_effect, tell_lost
@@ -125,10 +127,11 @@ def simr(
     setting = setting_of(study, study_file)
     note_doubts(setting)
     real = setting.study.robots_from is RobotsFrom.ROS
-    if study.external_nodes is not ExternalNodes.NONE and not (real or ros.join):
+    if study.external_nodes is not ExternalNodes.NONE and not (real or ros.join or ros2.join_ros2):
         fail(
             BAD_INPUT,
-            "external_nodes: other nodes drive these robots on a ROS graph. Add --ros, or set external_nodes: none.",
+            "external_nodes: other nodes drive these robots on a ROS graph. Add --ros or --ros2, or set "
+            "external_nodes: none.",
         )
     if real and ros.join:
         fail(BAD_INPUT, "--ros: real robots are always on a ROS graph. Omit the option.")
@@ -142,10 +145,11 @@ def simr(
     if real and (clash := setting.study.fleet.clash(setting.study.robots)) is not None:
         fail(BAD_INPUT, f"{clash.problem}. Write other names into the study's `fleet`, or use fewer robots.")
     graph = graph_of(dataclasses.replace(ros, join=ros.join or real), study.open_to)
+    graph2 = ros2_of(study, ros2)
     door = None
     if not real:
         door = watch_of(setting.study, study_file, watching, keys_of(setting.study, study_file, None))
-    check_doors(study, None, door, graph, serves_text=False)
+    check_doors(study, None, door, graph, graph2, serves_text=False)
     shown = None if client.key is None else key_of(client.key)
     if bag is not None:
         make_ready(bag)
@@ -160,9 +164,9 @@ def simr(
     check_foxglove(watching.foxglove)
     compile_ahead(whole_hunt=True)
     options = SimrOptions(
-        host, port, new_token(), rate or setting.study.rate or 1.0, bag, graph, door, watching.foxglove, shown
+        host, port, new_token(), rate or setting.study.rate or 1.0, bag, graph, door, watching.foxglove, shown, graph2
     )
-    unfit = run(programs.simr(setting, options, tell_lost, hosts_of(graph)))
+    unfit = run(programs.simr(setting, options, tell_lost, hosts_of(graph, ros2=graph2)))
     if unfit is not None:
         fail(FAILED, unfit)
 

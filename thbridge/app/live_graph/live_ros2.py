@@ -1,0 +1,320 @@
+"""Session on a ROS 2 graph under the conventions of Nav2: topics, actions, services and parameters of Nav2's nodes.
+
+As on a ROS 1 graph, a client's message becomes a request, which the session records and processes between two ticks.
+"""
+
+import logging
+from collections.abc import AsyncIterator, Callable, Iterator, Sequence
+from contextlib import asynccontextmanager
+from functools import partial
+
+from sim.robot.navigator.navigation import Navigation
+from sim.team import Team
+from thbridge.app.live_graph.client_messages import ClientRequests
+from thbridge.app.live_graph.live import TeamDescription
+from thbridge.app.live_graph.live_node_parameters import LiveNodeParameters
+from thbridge.app.live_graph.live_node_services import LiveNodeServices
+from thbridge.app.session.mavros import frame_in
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.roles.shared.robot_requests import Request
+from thbridge.ros.clients import InvalidMessage
+from thbridge.ros.messages import types, unpack
+from thbridge.ros.messages.cursor import Cursor
+from thbridge.ros.names import CALLER, RobotNames
+from thbridge.ros.publisher import clock_message
+from thbridge.ros.topics import RosMessage, VehicleTopics
+from thbridge.ros2.distribution import Distribution
+from thbridge.ros2.follow_waypoints import FOLLOW_WAYPOINTS, FollowWaypointsServer
+from thbridge.ros2.navigate_to_pose import NAVIGATE_TO_POSE, NavigateToPoseServer
+from thbridge.ros2.qos import DEFAULT, Durability
+from thbridge.ros2.topics import TWIST, TWIST_STAMPED, Convert, Ros2Topic, SessionTopics
+from thbridge.ros2graph.sockets.action_server import GraphActionServer
+from thbridge.ros2graph.sockets.carrier import GraphCarrier, GraphWriter
+from thbridge.ros2graph.sockets.joining import carrier_of, find_nodes
+from thbridge.ros2graph.sockets.parameter_services import NodeServices
+from thbridge.ros2graph.values.address import Ros2Address
+from thbridge.ros2graph.values.graph import NodeName
+from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.warn_once import WarnOnce
+
+_POSE_ESTIMATE = "geometry_msgs/msg/PoseWithCovarianceStamped"
+_POSE_STAMPED = "geometry_msgs/msg/PoseStamped"
+
+_log = logging.getLogger(__name__)
+
+
+class LiveRos2Graph:
+    """Nodes that replace Nav2's nodes and the robots' drivers on a ROS 2 graph.
+
+    Args:
+        carrier: connection to the graph, before it is started.
+        distribution: message types of the graph.
+        description: description of the team.
+        team: robots of the team.
+        requests: requests of all clients of the session.
+        receive_frame: callback with the index of a robot and a MAVLink frame; None if robots are not MAVLink vehicles.
+    """
+
+    def __init__(
+        self,
+        carrier: GraphCarrier,
+        distribution: Distribution,
+        description: TeamDescription,
+        team: Team,
+        requests: ClientRequests,
+        receive_frame: Callable[[int, Frame], None] | None = None,
+    ) -> None:
+        self._carrier = carrier
+        self._distribution = distribution
+        self._team = team
+        self._requests = requests
+        self._external = description.external
+        self._complaints = WarnOnce(_log)
+        self._robots = [RobotNames.of(robot) for robot in range(team.size)]
+        shared = team.size, description.grid, requests.limiter, requests.ask, description.external
+        services = NodeServices(carrier, distribution)
+        self._parameters = LiveNodeParameters(
+            services,
+            team.parameters,
+            description.rest,
+            description.grid.resolution,
+            requests.limiter,
+            requests.ask,
+            description.external,
+        )
+        self._nodes = {node.whole: node for node in (NodeName(n.namespace, n.name) for n in self._parameters.nodes)}
+        for node in self._nodes.values():
+            carrier.add_node(node)
+        self._services = LiveNodeServices(services, distribution, self._parameters.nodes, *shared)
+        self._topics = [
+            topic
+            for name, targets in SessionTopics(distribution, description.topics, team.size).targets.items()
+            for topic in self._advertise(name, targets)
+        ]
+        self._by_topic: dict[str, list[_TopicWriter]] = {}
+        for topic in self._topics:
+            self._by_topic.setdefault(topic.session_topic, []).append(topic)
+        self._actions = [
+            _RobotActions(carrier, distribution, robot, requests)
+            for robot in range(team.size)
+            if not self._external.move_base
+        ]
+        self._recoveries = [progress.tried for progress in team.recoveries]
+        for robot, named in enumerate(self._robots):
+            self._subscribe_to_clients(robot, named)
+            if receive_frame is not None:
+                self._subscribe_to_stations(robot, named, receive_frame)
+
+    def _advertise(self, name: str, targets: Sequence[tuple[Ros2Topic, Convert]]) -> Iterator["_TopicWriter"]:
+        """Announce the publishers for a topic of the session, except those whose node another program runs."""
+        for topic, convert in targets:
+            node = self._nodes.get(topic.node)
+            if node is not None:
+                writer = self._carrier.publish(node, topic.name, self._distribution.message(topic.type), topic.qos)
+                yield _TopicWriter(name, topic, writer, convert)
+
+    async def join(self) -> CannotListen | Sequence[str]:
+        """Join the graph.
+
+        Returns:
+            Names of other programs' nodes that already speak for these robots; then this program has left the graph.
+            Or the reason why the graph cannot be joined.
+        """
+        failure = await self._carrier.start()
+        if failure is not None:
+            return failure
+        rivals = await find_nodes(self._carrier, self._is_mine)
+        if rivals:
+            await self._carrier.stop()
+        else:
+            self._parameters.announce(0)
+        return rivals
+
+    def _is_mine(self, node: str) -> bool:
+        """Return True for the name of a node of this session, and for drivers of a robot of the same name."""
+        return node in self._nodes
+
+    async def leave(self) -> None:
+        """Leave the graph."""
+        await self._carrier.stop()
+
+    @property
+    def dropped(self) -> int:
+        """Number of messages that slow subscribers did not get."""
+        return sum(topic.writer.dropped for topic in self._topics)
+
+    def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
+        """Publish the messages of one tick; the clock is the first message."""
+        self._requests.advance(tick)
+        self._parameters.follow(tick, self._team.parameters)
+        self._services.take(messages)
+        for message in (clock_message(tick), *messages):
+            if not message.foreign:
+                for topic in self._by_topic.get(message.topic.name, ()):
+                    topic.take(message)
+        for topic in self._topics:
+            topic.publish_kept()
+        self._follow_actions(tick, messages)
+
+    def _follow_actions(self, tick: int, messages: Sequence[RosMessage]) -> None:
+        progress = self._team.recoveries
+        for robot, actions in enumerate(self._actions):
+            before, self._recoveries[robot] = self._recoveries[robot], progress[robot].tried
+            # If a robot began the list again within the tick, all behaviors tried since then are new.
+            begun = progress[robot].tried - (before if progress[robot].tried >= before else 0)
+            own = [message for message in messages if message.topic.name in actions.topics]
+            actions.follow(tick, own, self._team.navigation(robot), begun)
+
+    # Messages of clients
+
+    def _subscribe_to_clients(self, robot: int, named: RobotNames) -> None:
+        read = self._requests.messages
+        if not self._external.amcl:
+            node = self._nodes[named.topic("amcl")]
+            estimate = self._reader(_POSE_ESTIMATE, types.POSE_WITH_COVARIANCE, partial(read.pose, robot))
+            self._subscribe(node, named.topic("initialpose"), _POSE_ESTIMATE, estimate)
+        if not self._external.move_base:
+            node = self._nodes[named.topic("bt_navigator")]
+            goal = self._reader(_POSE_STAMPED, types.POSE_STAMPED, partial(read.simple_goal, robot))
+            self._subscribe(node, named.topic("goal_pose"), _POSE_STAMPED, goal)
+        velocity = partial(read.velocity, robot)
+        # Drivers of robots have one of these types. A session accepts both.
+        for kind, source, reader in (
+            (TWIST, types.TWIST, velocity),
+            (TWIST_STAMPED, "geometry_msgs/TwistStamped", partial(_after_header, velocity)),
+        ):
+            command = self._reader(kind, source, reader)
+            self._subscribe(self._nodes[CALLER], named.topic("cmd_vel"), kind, command)
+
+    def _reader(
+        self, kind: str, ros1_type: str, read: Callable[[bytes], Request | InvalidMessage]
+    ) -> Callable[[bytes], Request | InvalidMessage]:
+        """Return a reader of clients' messages of ROS 2, given the reader of the same messages of ROS 1."""
+        convert = self._distribution.to_ros1(kind, ros1_type)
+
+        def read_cdr(data: bytes) -> Request | InvalidMessage:
+            try:
+                return read(convert(data))
+            except ValueError as error:
+                return InvalidMessage(str(error))
+
+        return read_cdr
+
+    def _subscribe(
+        self, node: NodeName, topic: str, kind: str, read: Callable[[bytes], Request | InvalidMessage]
+    ) -> None:
+        def on_message(data: bytes, gid: bytes) -> None:
+            self._requests.receive(topic, read, data, self._carrier.node_of(gid))
+
+        self._carrier.subscribe(node, topic, self._distribution.message(kind), DEFAULT, on_message)
+
+    def _subscribe_to_stations(self, robot: int, named: RobotNames, receive: Callable[[int, Frame], None]) -> None:
+        topic = VehicleTopics(named).received.name
+        convert = self._distribution.to_ros1("mavros_msgs/msg/Mavlink", types.MAVLINK)
+
+        def on_message(data: bytes, gid: bytes) -> None:
+            client = self._carrier.node_of(gid)
+            if not self._requests.limiter.admits(topic, client):
+                return
+            try:
+                frame = frame_in(unpack.mavlink(convert(data)))
+            except ValueError as error:
+                self._complaints.warn(f"{topic}: ignoring a message of {client}: {error}")
+            else:
+                receive(robot, frame)
+
+        support = self._distribution.message("mavros_msgs/msg/Mavlink")
+        self._carrier.subscribe(self._nodes[CALLER], topic, support, DEFAULT, on_message)
+
+
+@asynccontextmanager
+async def on_ros2_graph(
+    address: Ros2Address,
+    description: TeamDescription,
+    team: Team,
+    requests: ClientRequests,
+    receive_frame: Callable[[int, Frame], None] | None = None,
+) -> AsyncIterator[tuple[LiveRos2Graph, CannotListen | Sequence[str]]]:
+    """Join a graph, and leave it at the end of the context; see `LiveRos2Graph`.
+
+    The context yields the nodes, and the outcome of `LiveRos2Graph.join`.
+    """
+    types_of_graph = Distribution.of(address.distribution.value)
+    live = LiveRos2Graph(carrier_of(address), types_of_graph, description, team, requests, receive_frame)
+    outcome = await live.join()
+    try:
+        yield live, outcome
+    finally:
+        await live.leave()
+
+
+class _TopicWriter:
+    """Publisher of one topic. Messages are converted only if somebody gets them.
+
+    Attributes:
+        session_topic: name of the topic of the session.
+        writer: the publisher on the carrier.
+    """
+
+    def __init__(self, session_topic: str, topic: Ros2Topic, writer: GraphWriter, convert: Convert) -> None:
+        self.session_topic = session_topic
+        self.writer = writer
+        self._convert = convert
+        self._latched = topic.qos.durability is Durability.TRANSIENT_LOCAL
+        self._depth = topic.qos.depth
+        self._kept: list[RosMessage] = []
+
+    def take(self, message: RosMessage) -> None:
+        """Publish a message. Without subscriptions, keep it for the first one if the topic is latched."""
+        if self.writer.readers:
+            self.writer.write(self._convert(message))
+        elif self._latched:
+            self._kept = [*self._kept, message][-self._depth :]
+
+    def publish_kept(self) -> None:
+        """Publish the kept messages if there is a subscription now."""
+        if self._kept and self.writer.readers:
+            kept, self._kept = self._kept, []
+            for message in kept:
+                self.writer.write(self._convert(message))
+
+
+class _RobotActions:
+    """Action servers of one robot.
+
+    Attributes:
+        topics: topics of the session whose messages `follow` needs.
+    """
+
+    def __init__(self, carrier: GraphCarrier, distribution: Distribution, robot: int, requests: ClientRequests) -> None:
+        named = RobotNames.of(robot)
+        self._navigate = NavigateToPoseServer(robot, distribution, requests.messages.numbers, requests.ask)
+        self._waypoints = FollowWaypointsServer(distribution, self._navigate)
+        self.topics = self._navigate.topics
+        self._servers = [
+            GraphActionServer(
+                carrier,
+                NodeName(named.namespace, node),
+                named.topic(name),
+                distribution,
+                action,
+                logic,
+                requests.limiter.admits,
+            )
+            for node, name, action, logic in (
+                ("bt_navigator", "navigate_to_pose", NAVIGATE_TO_POSE, self._navigate),
+                ("waypoint_follower", "follow_waypoints", FOLLOW_WAYPOINTS, self._waypoints),
+            )
+        ]
+
+    def follow(self, tick: int, messages: Sequence[RosMessage], navigation: Navigation | None, recoveries: int) -> None:
+        """Process a tick of the session; see `NavigateToPoseServer.follow`."""
+        self._navigate.follow(tick, messages, navigation, recoveries)
+        self._waypoints.follow(tick)
+        for server in self._servers:
+            server.publish()
+
+
+def _after_header(read: Callable[[bytes], Request | InvalidMessage], data: bytes) -> Request | InvalidMessage:
+    """Read the part of a message after its header."""
+    return read(Cursor.behind_header(data).remaining())

@@ -1,0 +1,32 @@
+"""Joining a ROS 2 graph: its carrier, and a look at the nodes that are already there."""
+
+import asyncio
+from collections.abc import Callable, Sequence
+
+from thbridge.ros2graph.sockets.carrier import GraphCarrier
+from thbridge.ros2graph.sockets.dds import DdsCarrier
+from thbridge.ros2graph.values.address import Ros2Address
+
+_LOOKS = 15
+_LOOK_SECONDS = 0.1
+"""Nodes on the same machine or network answer within a second."""
+
+
+def carrier_of(address: Ros2Address) -> GraphCarrier:
+    """Return the carrier of a graph, before it is started."""
+    return DdsCarrier(address.domain, address.host)
+
+
+async def find_nodes(carrier: GraphCarrier, is_sought: Callable[[str], bool]) -> Sequence[str]:
+    """Look for other programs' nodes with certain full names, and return the names as soon as there is one.
+
+    Args:
+        carrier: the carrier, which has joined the graph.
+        is_sought: function that returns True for a full name that is looked for.
+    """
+    for _ in range(_LOOKS):
+        found = sorted({name for node in carrier.nodes() if is_sought(name := node.whole)})
+        if found:
+            return found
+        await asyncio.sleep(_LOOK_SECONDS)
+    return ()
