@@ -24,7 +24,7 @@ from thbridge.ros.publisher import TeamPublisher
 from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.rosgraph.sockets.joining import GraphAddress, MasterPresence
 from thbridge.sockets.addresses import LOCALHOST, ListeningAddress
-from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.sockets.keys import KeyVerifier
 from thbridge.timing.pacer import Pacer
 from thbridge.watching.sockets.server import WatchServer
@@ -96,7 +96,7 @@ class StartupCallbacks:
     watched: Callable[[ListeningAddress | CannotListen], None]
     linked: Callable[[Sequence[str] | CannotListen], None] = _ignore
     shown: Callable[[ListeningAddress | CannotListen], None] = _ignore
-    joined_ros2: Callable[[Sequence[str] | CannotListen], None] = _ignore
+    joined_ros2: Callable[[Sequence[str] | CannotListen | CannotReach], None] = _ignore
 
 
 NO_CALLBACKS = StartupCallbacks(_ignore, _ignore)

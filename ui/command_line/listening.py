@@ -13,7 +13,7 @@ from thbridge.ros2graph.values.address import CarrierKind, Ros2Address
 from thbridge.rosgraph.sockets.joining import GraphAddress, MasterPresence, is_master_uri
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, WATCH_PORT, ListeningAddress, parse_address
 from thbridge.sockets.admission import Admission
-from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.sockets.keys import RingKeys
 from thbridge.study.study_file import Study
 from ui.command_line.keys import watch_keys
@@ -128,8 +128,8 @@ def hosts_of(graph: GraphAddress | None, quiet: bool = False, ros2: Ros2Address 
         if not quiet:
             note(f"Foxglove can connect to ws://{where.host}:{where.port}.")
 
-    def joined_ros2(rivals: Sequence[str] | CannotListen) -> None:
-        if isinstance(rivals, CannotListen):
+    def joined_ros2(rivals: Sequence[str] | CannotListen | CannotReach) -> None:
+        if isinstance(rivals, CannotListen | CannotReach):
             fail(BAD_INPUT, f"ROS 2: {rivals}")
         if rivals:
             problem = f"another program in this domain already has the node {rivals[0]}"

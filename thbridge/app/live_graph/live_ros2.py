@@ -34,7 +34,7 @@ from thbridge.ros2graph.sockets.joining import carrier_of, find_nodes
 from thbridge.ros2graph.sockets.parameter_services import NodeServices
 from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.ros2graph.values.graph import NodeName
-from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.sockets.warn_once import WarnOnce
 
 _POSE_ESTIMATE = "geometry_msgs/msg/PoseWithCovarianceStamped"
@@ -113,7 +113,7 @@ class LiveRos2Graph:
                 writer = self._carrier.publish(node, topic.name, self._distribution.message(topic.type), topic.qos)
                 yield _TopicWriter(name, topic, writer, convert)
 
-    async def join(self) -> CannotListen | Sequence[str]:
+    async def join(self) -> CannotListen | CannotReach | Sequence[str]:
         """Join the graph.
 
         Returns:
@@ -234,7 +234,7 @@ async def on_ros2_graph(
     team: Team,
     requests: ClientRequests,
     receive_frame: Callable[[int, Frame], None] | None = None,
-) -> AsyncIterator[tuple[LiveRos2Graph, CannotListen | Sequence[str]]]:
+) -> AsyncIterator[tuple[LiveRos2Graph, CannotListen | CannotReach | Sequence[str]]]:
     """Join a graph, and leave it at the end of the context; see `LiveRos2Graph`.
 
     The context yields the nodes, and the outcome of `LiveRos2Graph.join`.

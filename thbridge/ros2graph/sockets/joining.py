@@ -5,7 +5,8 @@ from collections.abc import Callable, Sequence
 
 from thbridge.ros2graph.sockets.carrier import GraphCarrier
 from thbridge.ros2graph.sockets.dds import DdsCarrier
-from thbridge.ros2graph.values.address import Ros2Address
+from thbridge.ros2graph.values.address import CarrierKind, Ros2Address
+from thbridge.sockets.addresses import parse_address
 
 _LOOKS = 15
 _LOOK_SECONDS = 0.1
@@ -13,8 +14,20 @@ _LOOK_SECONDS = 0.1
 
 
 def carrier_of(address: Ros2Address) -> GraphCarrier:
-    """Return the carrier of a graph, before it is started."""
-    return DdsCarrier(address.domain, address.host)
+    """Return the carrier of a graph, before it is started.
+
+    Raises:
+        ModuleNotFoundError: the carrier is zenoh, and the extra `ros2` is not installed.
+        ValueError: the address of the router is invalid.
+    """
+    if address.carrier is CarrierKind.DDS:
+        return DdsCarrier(address.domain, address.host)
+    from thbridge.ros2graph.sockets.zenoh import ZenohCarrier  # noqa: PLC0415 - optional packages
+
+    router = parse_address(address.router)
+    if router is None:
+        raise ValueError(f"{address.router!r} is not an address")
+    return ZenohCarrier(address.domain, router)
 
 
 async def find_nodes(carrier: GraphCarrier, is_sought: Callable[[str], bool]) -> Sequence[str]:

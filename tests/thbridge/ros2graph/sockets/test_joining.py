@@ -5,8 +5,8 @@ import dataclasses
 import pytest
 
 from tests.support.ros.zenoh_graphs import run
-from thbridge.ros2graph.sockets.carriers import make_carrier
 from thbridge.ros2graph.sockets.dds import DdsCarrier
+from thbridge.ros2graph.sockets.joining import carrier_of
 from thbridge.ros2graph.sockets.zenoh import ZenohCarrier
 from thbridge.ros2graph.values.address import CarrierKind, Ros2Address
 from thbridge.sockets.addresses import Address
@@ -14,12 +14,12 @@ from thbridge.sockets.errors import CannotReach
 
 
 def test_dds_is_the_default():
-    assert isinstance(make_carrier(Ros2Address()), DdsCarrier)
+    assert isinstance(carrier_of(Ros2Address()), DdsCarrier)
 
 
 def test_zenoh_goes_to_the_named_router():
     async def scenario():
-        carrier = make_carrier(Ros2Address(CarrierKind.ZENOH, router="127.0.0.1:9"))
+        carrier = carrier_of(Ros2Address(CarrierKind.ZENOH, router="127.0.0.1:9"))
         assert isinstance(carrier, ZenohCarrier)
         problem = await carrier.start()
         assert isinstance(problem, CannotReach)
@@ -30,4 +30,4 @@ def test_zenoh_goes_to_the_named_router():
 
 def test_an_invalid_router_is_refused():
     with pytest.raises(ValueError, match="'robot' is not an address"):
-        make_carrier(dataclasses.replace(Ros2Address(CarrierKind.ZENOH), router="robot"))
+        carrier_of(dataclasses.replace(Ros2Address(CarrierKind.ZENOH), router="robot"))
