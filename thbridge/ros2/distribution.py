@@ -3,14 +3,11 @@
 CDR is XCDR version 1, little endian, with its header of 4 bytes. Values are message objects of the library rosbags.
 """
 
-import io
 import struct
 from collections.abc import Callable
-from contextlib import redirect_stdout
 from functools import cache
 
 import numpy as np
-from rosbags.convert.converter import generate_message_converter
 from rosbags.interfaces import Nodetype
 from rosbags.interfaces.typing import FieldDesc
 from rosbags.serde.errors import SerdeError
@@ -22,6 +19,7 @@ from thbridge.ros.messages import types as ros1_types
 from thbridge.ros2.hashes import FullDescription, describe, rihs01
 from thbridge.ros2.interface_texts import JAZZY_TEXTS, KILTED_TEXTS
 from thbridge.ros2.interfaces import MessageDefinition, messages_in, parsed
+from thbridge.ros2.message_copies import MessageCopy
 from thbridge.ros2.supports import ActionSupport, MessageSupport, ServiceSupport
 
 DISTRIBUTIONS = {"jazzy": (Stores.ROS2_JAZZY, JAZZY_TEXTS), "kilted": (Stores.ROS2_KILTED, KILTED_TEXTS)}
@@ -120,7 +118,7 @@ class Distribution:
     def from_ros1(self, ros1_type: str, name: str) -> Callable[[bytes], bytes]:
         """Return a function that converts messages of ROS 1 to messages of this distribution.
 
-        Fields with the same name, or else the same type, correspond. Other fields have their default values.
+        Fields with the same name correspond. Other fields are 0 or empty.
 
         Args:
             ros1_type: for example "nav_msgs/Odometry".
@@ -137,18 +135,9 @@ class Distribution:
 
     def _converter(self, ros1_type: str, name: str, *, to_ros1: bool) -> Callable[[bytes], bytes]:
         self._register(name)
-        ours, theirs = (self._store, name), (ros1_types.typestore(), normalize_msgtype(ros1_type))
-        (store, source), (other, target) = (ours, theirs) if to_ros1 else (theirs, ours)
-        with redirect_stdout(io.StringIO()):  # the converter prints what it does
-            convert = generate_message_converter(store, other, source, target, {}, src_is2=to_ros1, dst_is2=not to_ros1)
-
-        def converted(data: bytes) -> bytes:
-            try:
-                return bytes(convert(data))
-            except _MALFORMED as error:
-                raise ValueError(f"not a message of type {source}: {error}") from None
-
-        return converted
+        ours, theirs = (self._store.fielddefs, name), (ros1_types.typestore().fielddefs, normalize_msgtype(ros1_type))
+        source, target = (ours, theirs) if to_ros1 else (theirs, ours)
+        return MessageCopy(*source, *target, to_cdr=not to_ros1)
 
     def _hash(self, name: str) -> str:
         if name not in self._hashes:
