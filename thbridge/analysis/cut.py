@@ -85,6 +85,8 @@ def cut(bag: Path, piece: CutRange, out: Path, overwrite: bool = False) -> CutRe
         raise BadFile(bag, problem, f"write a time up to {found.duration:.3f} s", key="--from")
     start_ns = found.start_ns + round(piece.start * 1e9)
     end_ns = found.end_ns if math.isinf(piece.end) else found.start_ns + round(piece.end * 1e9)
+    if piece.compression is Compression.ZSTD:
+        raise BadFile(out, "bags of ROS 1 cannot have the compression zstd", "write lz4", key="--compression")
     with new_file(out, bag, overwrite) as path:
         target = BagFile(path, piece.compression or compression_of(parts_of(bag)[0]))
         # The session is always copied, because it describes the conditions of all other data.

@@ -21,6 +21,7 @@ from thbridge.app.replay.replay import Difference, RecordingReplay, ReplayOption
 from thbridge.files.tables.table_files import Array, arrow_table
 from thbridge.recording.bag.damage import damage_as_bad_file
 from thbridge.recording.bag.reading.reader import info, messages, recorded
+from thbridge.recording.bag.recording_names import problem_of
 from thbridge.recording.recordings import make_room, try_place
 from thbridge.ros.messages.foreign_types import check_type_name, store_of, types_in
 
@@ -151,8 +152,10 @@ class HuntRecording:
         """
         study, bag = self.study.changed(changes) if changes else self.study, None if to is None else Path(to)
         setting = setting_of(study) if participant is None else with_strategy(setting_of(study), participant)
-        if bag is not None and (bag.suffix != ".bag" or bag.resolve() == self.path.resolve()):
-            raise HuntError(f"to: {bag} cannot be the new bag. Give another path that ends in .bag.", bag)
+        if bag is not None and (problem := problem_of(bag, setting.study.recording.compression)) is not None:
+            raise HuntError(f"to: {problem}", bag)
+        if bag is not None and bag.resolve() == self.path.resolve():
+            raise HuntError(f"to: {bag} is the recording itself. Give another path.", bag)
         if participant is not None and not self.participant:
             raise HuntError(f"participant: {self.path} has no participant to replace. Omit the argument.")
         options = ReplayOptions(0.0, 0.0, bag, bool(changes or participant or bag), participant)

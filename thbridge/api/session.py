@@ -39,6 +39,7 @@ from thbridge.hunt.events import Commander, JournalEntry
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.seats import ONE_SEAT, PlayedBy
 from thbridge.mavlink.files.tlog import TlogFile
+from thbridge.recording.bag.recording_names import problem_of
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, make_room, tlog_of, try_place
 from thbridge.roles.participant.bot_strategy import BotStrategy
@@ -106,7 +107,8 @@ class HuntSession:
     Args:
         study: the study.
         participant: name of a simulated participant, built-in or installed. If None, the caller plays.
-        record: path of a recording, `NAME.bag`; an existing file is renamed first. If None, nothing is recorded.
+        record: path of a recording: `NAME.bag` (ROS 1), `NAME.mcap` (ROS 2), or a name without ending (rosbag2
+            folder); an existing recording is renamed first. If None, nothing is recorded.
         seats: names of the seats that the caller plays, in a study with several. Simulated participants play the
             others, with the strategy `participant` or, if this is None, with the study's strategies. If `seats` is
             None, the caller plays all seats, or none if `participant` is given.
@@ -165,9 +167,9 @@ class HuntSession:
         self._session = open_session(setting, programs, recording)
 
     def _recording(self, bag: Path, roles: Sequence[str], participant: str) -> SessionRecording:
-        if bag.suffix != ".bag" or bag.is_dir():
-            raise HuntError(f"record: {bag} is not the name of a bag. Give a file name that ends in .bag.", bag)
         setting = self._setting
+        if (problem := problem_of(bag, setting.study.recording.compression)) is not None:
+            raise HuntError(f"record: {problem}", bag)
         with as_hunt_errors():
             make_room(bag)
             try_place(bag)

@@ -265,7 +265,8 @@ class RecordingSection:
 
     compression: Compression = param(
         Compression.LZ4,
-        "compression of the bag's chunks: lz4 is fast, bz2 gives small files but is slow; rosbag reads all of them",
+        "compression of the recording's chunks; lz4: fast; bz2: small files, but slow, only in bags of ROS 1; zstd: "
+        "small files, only in recordings of ROS 2",
     )
     detail: RecordingDetail = param(
         RecordingDetail.CHANGES,

@@ -36,7 +36,13 @@ LanguageOption = Annotated[
     typer.Option("--language", metavar="NAME", help="Language of the participant: en, de, or a language you added."),
 ]
 Port = Annotated[int | None, typer.Option(help="TCP port for other programs; 0 means any free port.", min=0, max=65535)]
-BagFile = Annotated[Path | None, typer.Option(help="Bag file to record. An existing file of this name is renamed.")]
+BagFile = Annotated[
+    Path | None,
+    typer.Option(
+        help="Recording: NAME.bag (ROS 1), NAME.mcap (ROS 2), or a name without ending (rosbag2 folder). An existing "
+        "recording of this name is renamed."
+    ),
+]
 
 
 class ProgressKind(StrEnum):

@@ -8,7 +8,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from thbridge.files.errors import BadFile
-from thbridge.recording.bag.options import Readers
+from thbridge.recording.bag.options import Compression, Readers
+from thbridge.recording.bag.recording_names import problem_of
 from thbridge.recording.claims import release
 from thbridge.recording.recordings import make_room, try_place
 from ui.command_line.terminal import BAD_INPUT, fail, note
@@ -49,10 +50,10 @@ def share_no_output(path: Path | None, as_json: bool) -> None:
         fail(BAD_INPUT, "--json: standard output is already used for the file. Omit --json, or choose another file.")
 
 
-def make_ready(bag: Path, option: str = "--bag") -> None:
-    """Check that a bag can be recorded at a path; if an older bag is there, rename it."""
-    if bag.suffix != ".bag" or bag.is_dir():
-        fail(BAD_INPUT, f"{option}: {bag} is not the name of a bag. Write a file name that ends in .bag.")
+def make_ready(bag: Path, compression: Compression, option: str = "--bag") -> None:
+    """Check that a session can be recorded at a path; if an older recording is there, rename it."""
+    if (problem := problem_of(bag, compression)) is not None:
+        fail(BAD_INPUT, f"{option}: {problem}")
     try:
         moved = make_room(bag)
         try_place(bag)
@@ -65,8 +66,8 @@ def make_ready(bag: Path, option: str = "--bag") -> None:
         note(f"The older recording was renamed to {moved}.")
 
 
-def make_copy_ready(copy: Path, recording: Path) -> None:
+def make_copy_ready(copy: Path, recording: Path, compression: Compression) -> None:
     """Check that a replay can write its bag to the path of --to, and that this is not the replayed recording."""
     if copy.resolve() == recording.resolve():
         fail(BAD_INPUT, f"--to: {copy} is the recording itself. Choose another file name.")
-    make_ready(copy, "--to")
+    make_ready(copy, compression, "--to")

@@ -226,7 +226,7 @@ def play(
         with bad_input():
             participants, typed = build_participants(setting, participant), None
     path = bag or usual_bag(setting)
-    make_ready(path)
+    make_ready(path, setting.study.recording.compression)
 
     def ready(where: ListeningAddress | CannotListen) -> None:
         if isinstance(where, CannotListen):

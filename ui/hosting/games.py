@@ -122,7 +122,7 @@ class WindowGames:
         bag = self.options.bag or usual_bag(setting)
 
         async def play(visit: GameVisit) -> None:
-            make_ready(bag)
+            make_ready(bag, setting.study.recording.compression)
             options = dataclasses.replace(self.options, bag=bag, left=visit.has_left, run=secrets.token_hex(8))
             outcome = await self._played(setting, options, visit, teammates_of(setting, self.seat))
             if outcome is None:

@@ -35,6 +35,7 @@ from thbridge.hunt.events import RoomAdvised
 from thbridge.recording.bag.options import RecordingDetail
 from thbridge.recording.bag.reading import reader as bag_reader
 from thbridge.recording.bag.reading.reader import RawMessage
+from thbridge.recording.bag.ros2 import has_cdr
 from thbridge.roles.shared.role import Role
 from thbridge.roles.shared.seat_programs import program_of
 from thbridge.ros import names
@@ -43,6 +44,7 @@ from thbridge.ros.messages.differences import FieldDifference, differences
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.topics import P_WRONG, MessageFilter, RosMessage
+from thbridge.ros2.recorded_types import RecordedType, recorded_type
 from thbridge.study.overrides import StudyChange, with_changes
 from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import Study, load_study_tree, read_study_text
@@ -193,19 +195,25 @@ def _is_advice(message: RosMessage) -> bool:
 
 
 def ticks_of(path: Path) -> Iterator[RecordedTick]:
-    """Yield a recording tick by tick. Raises BadFile: the recording cannot be read."""
-    for stamp_ns, messages in groupby(bag_reader.messages(path), key=lambda message: message.stamp_ns):
+    """Yield a recording tick by tick; messages of ROS 2 recordings are CDR. Raises BadFile: it cannot be read."""
+    cdr = has_cdr(path)
+    for stamp_ns, messages in groupby(bag_reader.messages(path, unchanged=True), key=lambda message: message.stamp_ns):
         recorded = tuple(message for message in messages if message.topic != names.SESSION)
-        given = tuple(_input(path, message) for message in recorded if message.topic == names.INPUTS)
+        given = tuple(_input(path, message, cdr) for message in recorded if message.topic == names.INPUTS)
         yield RecordedTick((stamp_ns - START_NS) // TICK_NS, given, recorded)
 
 
-def _input(path: Path, message: RawMessage) -> inputs.Input:
+def _input(path: Path, message: RawMessage, cdr: bool) -> inputs.Input:
     try:
-        return from_record(unpack.outside_input(message.data))
+        data = _type_in_ros2(types.INPUT).to_ros1(message.data) if cdr else message.data
+        return from_record(unpack.outside_input(data))
     except ValueError as error:
         remedy = "replay the recording with the release that made it"
         raise BadFile(path, str(error), remedy, key=names.INPUTS) from None
+
+
+def _type_in_ros2(msgtype: str) -> RecordedType:
+    return recorded_type(msgtype, types.plain_definition(msgtype).text)
 
 
 class RecordingReplay:
@@ -228,7 +236,7 @@ class RecordingReplay:
         fresh = build_record(setting, record.program, record.roles, options.participant or record.participant)
         topics = {topic.name for topic in bag_reader.info(path).topics}
         self._to_the_end = options.to_the_end
-        self._comparison = Comparison(_not_in(topics, setting.study.robots))
+        self._comparison = Comparison(_not_in(topics, setting.study.robots), has_cdr(path))
         self._recorded = ticks_of(path)
         self._over = False
         self._buffer = _MessageBuffer(_recorded_by(path, record))
@@ -359,6 +367,7 @@ class Comparison:
 
     Args:
         left_out: topics that are not compared.
+        cdr: True if recorded messages are CDR. The session's messages are then converted, and compared bit for bit.
 
     Attributes:
         messages: number of equal messages.
@@ -366,8 +375,8 @@ class Comparison:
         difference: the first difference; None as long as all messages are equal.
     """
 
-    def __init__(self, left_out: frozenset[str] = frozenset()) -> None:
-        self._left_out = left_out
+    def __init__(self, left_out: frozenset[str] = frozenset(), cdr: bool = False) -> None:
+        self._left_out, self._cdr = left_out, cdr
         self.messages = self.reworded = 0
         self.difference: Difference | None = None
         self._of_topic: Counter[str] = Counter()
@@ -404,7 +413,7 @@ class Comparison:
         if now is None:
             what = "this message was recorded, but the replay does not send it"
             return self._difference(was.topic, was.stamp_ns, what)
-        topic, stamp_ns, data, _ = now
+        topic, stamp_ns, _, _ = now
         if topic.name != was.topic:
             what = f"instead of this message, the replay sends a message on {topic.name}"
             return self._difference(was.topic, was.stamp_ns, what)
@@ -412,6 +421,27 @@ class Comparison:
             return self._difference(
                 was.topic, was.stamp_ns, f"the times differ by {(stamp_ns - was.stamp_ns) / 1e9:+g} s"
             )
+        if self._cdr:
+            return self._compared_as_cdr(was, now)
+        return self._compared_data(was, now)
+
+    def _compared_as_cdr(self, was: RawMessage, now: RosMessage) -> Difference | None:
+        theirs = _type_in_ros2(now.topic.msgtype)
+        cdr = theirs.from_ros1(now.data)
+        if cdr == was.data:
+            return None
+        try:
+            data = theirs.to_ros1(was.data)
+        except ValueError as error:
+            return self._difference(was.topic, was.stamp_ns, f"the contents differ; {error}")
+        # In this direction, fields that ROS 2 does not have become 0. So they are no difference.
+        found = self._compared_data(was._replace(data=data), now._replace(data=theirs.to_ros1(cdr)))
+        if found is None and theirs.from_ros1(data) != was.data:
+            return self._difference(was.topic, was.stamp_ns, "bytes between the fields differ")
+        return found
+
+    def _compared_data(self, was: RawMessage, now: RosMessage) -> Difference | None:
+        topic, _, data, _ = now
         if data == was.data:
             return None
         if topic.msgtype != was.msgtype or types.plain_definition(topic.msgtype).md5 != was.md5:

@@ -14,6 +14,7 @@ from thbridge.recording.recordings import ACTIVE, unfinished_of
 
 MAGIC = b"#ROSBAG V"
 VERSION = b"2.0\n"
+MCAP_MAGIC = b"\x89MCAP0\r\n"
 
 _STUMBLES = (
     ReaderError,
@@ -48,7 +49,11 @@ def check_is_bag(path: Path) -> None:
             raise unfinished(active) from error
         raise BadFile(path, "no such file or directory", "name a bag that can be read") from error
     except OSError as error:
+        if (active := unfinished_of(path)) is not None:
+            raise unfinished(path) from error
         raise BadFile(path, (error.strerror or str(error)).lower(), "name a bag that can be read") from error
+    if head.startswith(MCAP_MAGIC) and path.name.endswith(ACTIVE):
+        raise unfinished(path)
     if not head.startswith(MAGIC):
         raise BadFile(path, "this is not a ROS 1 bag", "name a file that rosbag or thbridge recorded")
     if head != MAGIC + VERSION:
@@ -75,7 +80,7 @@ def damaged(path: Path) -> BadFile:
 
 def unfinished(path: Path) -> BadFile:
     """Return the BadFile for a file without an index."""
-    if path.name.endswith(ACTIVE):
+    if path.name.endswith(ACTIVE) or path.is_dir():
         problem = "the bag is still being written, or its writer was killed"
         remedy = f"wait until its session has ended; otherwise run `thbridge bag reindex {path}`"
         return BadFile(path, problem, remedy)

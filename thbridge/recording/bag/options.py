@@ -5,11 +5,18 @@ from enum import StrEnum
 
 
 class Compression(StrEnum):
-    """Compression of the chunks of a bag."""
+    """Compression of the chunks of a recording."""
 
     NONE = "none"
     LZ4 = "lz4"
     BZ2 = "bz2"
+    ZSTD = "zstd"
+
+
+ROS1_COMPRESSIONS = (Compression.NONE, Compression.LZ4, Compression.BZ2)
+"""Compressions that bags of ROS 1 can have."""
+MCAP_COMPRESSIONS = (Compression.NONE, Compression.LZ4, Compression.ZSTD)
+"""Compressions that MCAP files can have."""
 
 
 class RecordingDetail(StrEnum):

@@ -147,18 +147,24 @@ def _packed(data: bytes, compression: Compression) -> bytes:
         case Compression.NONE:
             return data
         case Compression.LZ4:
-            # The only frames that roslz4 accepts: independent blocks, no content size, with a checksum of the content.
-            packed: bytes = lz4.frame.compress(
-                data,
-                compression_level=_LZ4_LEVEL,
-                block_size=lz4.frame.BLOCKSIZE_MAX256KB,  # A chunk that was cut off is recovered up to a block.
-                block_linked=False,
-                store_size=False,
-                content_checksum=True,
-            )
-            return packed
+            return lz4_frame(data)
         case Compression.BZ2:
             return bz2.compress(data, _BZ2_LEVEL)
+    raise KeyError(compression)
+
+
+def lz4_frame(data: bytes) -> bytes:
+    """Return the data as an LZ4 frame that roslz4 can read."""
+    # The only frames that roslz4 accepts: independent blocks, no content size, with a checksum of the content.
+    packed: bytes = lz4.frame.compress(
+        data,
+        compression_level=_LZ4_LEVEL,
+        block_size=lz4.frame.BLOCKSIZE_MAX256KB,  # A chunk that was cut off is recovered up to a block.
+        block_linked=False,
+        store_size=False,
+        content_checksum=True,
+    )
+    return packed
 
 
 def _header(kind: RecordType, **fields: bytes) -> bytes:

@@ -1,18 +1,28 @@
-"""Repair of a bag: all readable messages are written to a new bag with an index."""
+"""Repair of a recording: all readable messages are written to a new file with an index."""
 
 import contextlib
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from thbridge.files.disk.synced import sync_folder
 from thbridge.files.errors import BadFile
-from thbridge.recording.bag.options import Compression
-from thbridge.recording.bag.reading.scan import ChunkRecord, ConnectionRecord, MessageRecord, UnreadableSpan, scan
+from thbridge.recording.bag.options import MCAP_COMPRESSIONS, ROS1_COMPRESSIONS, Compression
+from thbridge.recording.bag.reading.mcap_scan import scan_mcap
+from thbridge.recording.bag.reading.scan import (
+    BagRecord,
+    ChunkRecord,
+    ConnectionRecord,
+    MessageRecord,
+    UnreadableSpan,
+    scan,
+)
 from thbridge.recording.bag.records import BagConnection
+from thbridge.recording.bag.rosbag2_metadata import write_metadata
 from thbridge.recording.bag.writing.bag_file import BagFile
-from thbridge.recording.recordings import ACTIVE
+from thbridge.recording.bag.writing.formats import MCAP_FILE
+from thbridge.recording.recordings import ACTIVE, MCAP, METADATA, files_in, part_of
 from thbridge.ros.messages.identification import by_name, identified, known_definition, missing_types
 from thbridge.ros.messages.types import md5_of
 
@@ -42,17 +52,65 @@ class RepairResult:
 
 
 def reindex(path: Path) -> RepairResult:
-    """Write a bag's readable messages into a new bag of the same name, and keep the old bag next to it.
+    """Write a recording's readable messages into a new file of the same name, and keep the old file next to it.
 
-    The result for `NAME.bag` and `NAME.bag.active` is `NAME.bag`, and the old file becomes `NAME.orig.bag`. Every
-    complete message is recovered, even in a chunk that is cut off, and after an unreadable record or chunk. A
+    Of a folder of rosbag2, all unfinished files are repaired, and `metadata.yaml` is written. For MCAP files, this
+    repairs only recordings by thbridge.
+
+    For bags, the result for `NAME.bag` and `NAME.bag.active` is `NAME.bag`, and the old file becomes `NAME.orig.bag`.
+    Every complete message is recovered, even in a chunk that is cut off, and after an unreadable record or chunk. A
     connection without a definition gets the known definition with its md5 sum. Otherwise the connection gets the known
     definition for the name of its type, if the first message fits. The old file stays until the new file is complete.
 
     Raises:
-        BadFile: the file is not a ROS 1 bag, another file would be overwritten, or the disk is full.
+        BadFile: the file is not a recording, another file would be overwritten, or the disk is full.
     """
-    compression = compression_of(path)
+    if path.is_dir():
+        return _reindex_folder(path)
+    result = _reindex_file(path)
+    folder = result.path.parent
+    if result.path == part_of(folder, 0) or ((folder / METADATA).is_file() and result.path.suffix == MCAP):
+        _write_metadata(folder)
+    return result
+
+
+def _reindex_folder(folder: Path) -> RepairResult:
+    """Repair the unfinished files of a folder of rosbag2."""
+    active = [path for _, path in files_in(folder, MCAP + ACTIVE)]
+    results, failures = [], []
+    for path in active:
+        try:
+            results.append(_reindex_file(path))
+        except BadFile as failure:  # The beginning of a file is lost if the power failed when the file was new.
+            failures.append(failure)
+    complete = files_in(folder, MCAP)
+    if failures and not complete:
+        raise failures[0]
+    if not complete or (not active and (folder / METADATA).is_file()):
+        raise BadFile(folder, "this folder has no unfinished MCAP file", "name a recording that ends abruptly")
+    _write_metadata(folder)
+    ends = [result.end_ns for result in results if result.end_ns is not None]
+    losses = [loss for result in results for loss in result.losses]
+    return RepairResult(
+        folder,
+        results[-1].backup if results else folder,
+        sum(result.messages for result in results),
+        max(ends, default=None),
+        sum(result.lost_bytes for result in results),
+        (*losses, *map(str, failures)),
+    )
+
+
+def _write_metadata(folder: Path) -> None:
+    try:
+        write_metadata(folder)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise BadFile(folder / METADATA, f"cannot be written: {reason}", "free disk space") from error
+
+
+def _reindex_file(path: Path) -> RepairResult:
+    compression = _first_compression(scan_mcap(path), MCAP_COMPRESSIONS) if _is_mcap(path) else compression_of(path)
     repaired = path.with_name(path.name.removesuffix(ACTIVE))
     backup = repaired.with_name(f"{repaired.stem}.orig{repaired.suffix}")
     fresh = repaired.with_name(repaired.name + ".reindexing")
@@ -62,7 +120,8 @@ def reindex(path: Path) -> RepairResult:
             raise BadFile(taken, "this file exists, and the repair would overwrite it", remedy)
     try:
         fresh.unlink(missing_ok=True)
-        messages, end_ns, losses = _copy(path, fresh, compression)
+        copy = _copy_mcap if _is_mcap(path) else _copy
+        messages, end_ns, losses = copy(path, fresh, compression)
         # BagFile has synced the bytes. A power failure at any step leaves the old or the complete new file.
         if repaired == path:
             with contextlib.suppress(OSError):  # Some file systems have no hard links.
@@ -83,10 +142,19 @@ def reindex(path: Path) -> RepairResult:
     return RepairResult(repaired, backup, messages, end_ns, losses.bytes, tuple(losses.sentences()))
 
 
+def _is_mcap(path: Path) -> bool:
+    """Return True if the name of a file, without `.active`, ends in `.mcap`."""
+    return path.name.removesuffix(ACTIVE).endswith(MCAP)
+
+
 def compression_of(path: Path) -> Compression:
     """Return the compression of a file's first chunk if we can write this compression; otherwise `Compression.NONE`."""
-    name = next((record.compression for record in scan(path) if isinstance(record, ChunkRecord)), Compression.NONE)
-    return Compression(name) if name in set(Compression) else Compression.NONE
+    return _first_compression(scan(path), ROS1_COMPRESSIONS)
+
+
+def _first_compression(records: Iterable[BagRecord], possible: Collection[Compression]) -> Compression:
+    name = next((record.compression for record in records if isinstance(record, ChunkRecord)), Compression.NONE)
+    return Compression(name) if name in possible else Compression.NONE
 
 
 SHARED_NUMBERS = 1_000_000
@@ -169,6 +237,36 @@ def _copy(path: Path, fresh: Path, compression: Compression) -> tuple[int, int |
                 else:
                     losses.messages[number] += 1
                     losses.message_bytes[number] += len(data)
+            case UnreadableSpan():
+                losses.add(record)
+    target.close()
+    return count, end_ns, losses
+
+
+def _copy_mcap(path: Path, fresh: Path, compression: Compression) -> tuple[int, int | None, _Losses]:
+    """Copy the messages of an MCAP file, like `_copy`."""
+    count, end_ns, losses = 0, None, _Losses()
+    connections: dict[int, BagConnection] = {}
+    target = BagFile(fresh, compression, MCAP_FILE)
+    for record in scan_mcap(path):
+        match record:
+            case ConnectionRecord():
+                connections.setdefault(
+                    record.number,
+                    BagConnection(
+                        record.number,
+                        record.topic,
+                        record.msgtype,
+                        record.md5,
+                        record.definition,
+                        record.caller,
+                        record.latched,
+                    ),
+                )
+            case MessageRecord(number, stamp_ns, data):
+                target.write(connections[number], stamp_ns, data)
+                count += 1
+                end_ns = stamp_ns if end_ns is None else max(end_ns, stamp_ns)
             case UnreadableSpan():
                 losses.add(record)
     target.close()

@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Callable, Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from mcap.reader import make_reader
@@ -34,12 +34,14 @@ from thbridge.recording.bag.ros2_storage import (
 )
 from thbridge.recording.bag.unpacking import MCAP_MAGIC, UnpackedBytes
 from thbridge.recording.bag.writing.bag_file import BagFile
+from thbridge.recording.recordings import parts_of
 from thbridge.ros.messages.foreign_types import register, types_in
 from thbridge.ros.messages.types import md5_of, typestore
+from thbridge.ros2.message_copies import CDR_HEAD, MessageCopy
+from thbridge.ros2.recorded_types import ros1_name
 
 MCAP, SQLITE = ".mcap", ".db3"
 _DISK_FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EFBIG}
-_RENAMED = {"tf/msg/tfMessage": "tf2_msgs/msg/TFMessage"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,11 +52,13 @@ class ConvertedRecording:
         path: path of the bag.
         kind: kind of the original, as a phrase: "a ROS 2 recording".
         left_out: topics that could not be converted, with the reasons.
+        is_cdr: True if messages of the original are CDR.
     """
 
     path: Path
     kind: str
     left_out: Mapping[str, str]
+    is_cdr: bool
 
 
 def is_other_recording(path: Path) -> bool:
@@ -62,36 +66,46 @@ def is_other_recording(path: Path) -> bool:
     return (path / METADATA).is_file() if path.is_dir() else path.suffix in {MCAP, SQLITE} and path.is_file()
 
 
-def as_ros1(path: Path) -> Path:
+def as_ros1(path: Path, unchanged: bool = False) -> Path:
     """Return the path of this recording as a ROS 1 bag. Convert recordings of ROS 2 and MCAP files; return other paths.
+
+    Args:
+        path: the recording.
+        unchanged: True to keep messages in CDR as they are, although no other reader of bags can decode them.
 
     Raises:
         BadFile: the recording cannot be read or converted.
     """
-    return converted(path).path if is_other_recording(path) else path
+    return converted(path, unchanged).path if is_other_recording(path) else path
 
 
-def converted(path: Path) -> ConvertedRecording:
-    """Return the converted bag of a ROS 2 recording or an MCAP file.
+def has_cdr(path: Path) -> bool:
+    """Return True if the messages of a recording, or of its first file, are CDR. Raises BadFile, like `converted`."""
+    first = parts_of(path)[0]
+    return is_other_recording(first) and converted(first, unchanged=True).is_cdr
+
+
+def converted(path: Path, unchanged: bool = False) -> ConvertedRecording:
+    """Return the converted bag of a ROS 2 recording or an MCAP file; see `as_ros1` for the arguments.
 
     Raises:
         BadFile: the recording cannot be read or converted.
     """
     found = path.stat()
-    return _converted(path.resolve(), found.st_mtime_ns, found.st_size)
+    return _converted(path.resolve(), unchanged, found.st_mtime_ns, found.st_size)
 
 
 @lru_cache(maxsize=4)
-def _converted(path: Path, _mtime_ns: int, _size: int) -> ConvertedRecording:
+def _converted(path: Path, unchanged: bool, _mtime_ns: int, _size: int) -> ConvertedRecording:
     bag = _folder() / f"{path.stem}.bag"
     bag.unlink(missing_ok=True)
     try:
         with plain_recording(path, bag.parent) as plain:
             if _is_ros1_mcap(plain):
                 _repack(plain, bag)
-                return ConvertedRecording(bag, "an MCAP file of ROS 1", {})
+                return ConvertedRecording(bag, "an MCAP file of ROS 1", {}, is_cdr=False)
             with bounded_sqlite(plain):
-                left_out = _convert(plain, bag)
+                left_out = _convert(plain, bag, unchanged)
     except BadFile:
         bag.unlink(missing_ok=True)
         raise
@@ -106,7 +120,7 @@ def _converted(path: Path, _mtime_ns: int, _size: int) -> ConvertedRecording:
             raise BadFile(path, problem, remedy) from error
         remedy = "try `ros2 bag reindex` or `mcap recover`, or name another recording"
         raise BadFile(path, f"it cannot be read: {_sentence(error)}", remedy) from error
-    return ConvertedRecording(bag, "a ROS 2 recording", left_out)
+    return ConvertedRecording(bag, "a ROS 2 recording", left_out, is_cdr=True)
 
 
 @lru_cache(maxsize=1)
@@ -158,12 +172,12 @@ def _repack(path: Path, bag: Path) -> None:
     target.close()
 
 
-def _convert(path: Path, bag: Path) -> dict[str, str]:
+def _convert(path: Path, bag: Path, unchanged: bool) -> dict[str, str]:
     """Write the messages of a ROS 2 recording to a bag; return the topics that were left out, with reasons."""
     ours = get_typestore(Stores.EMPTY)
     ours.register(typestore().fielddefs)
     target = BagFile(bag)
-    ways: dict[int, tuple[BagConnection, Callable[[bytes], memoryview]]] = {}
+    ways: dict[int, tuple[BagConnection, Callable[[bytes], bytes]]] = {}
     left_out: dict[str, str] = {}
     with open_reader(path) as reader:
         for source in reader.connections:
@@ -180,18 +194,31 @@ def _convert(path: Path, bag: Path) -> dict[str, str]:
         known = [source for source in reader.connections if source.id in ways]
         for source, stamp_ns, data in stored_messages(path, reader, known) if known else ():
             connection, convert = ways[source.id]
-            target.write(connection, stamp_ns, bytes(convert(data)))
+            target.write(connection, stamp_ns, bytes(data) if unchanged else convert(bytes(data)))
     target.close()
     return left_out
 
 
-def _conversion(msgtype: str, theirs: Typestore, ours: Typestore) -> tuple[str, Callable[[bytes], memoryview]]:
+def _conversion(msgtype: str, theirs: Typestore, ours: Typestore) -> tuple[str, Callable[[bytes], bytes]]:
     """Return the ROS 1 type for messages of a ROS 2 type, and the converter. A new type is added to `ours`."""
-    target = _RENAMED.get(msgtype, msgtype)
+    target = ros1_name(msgtype)
     if target not in ours.fielddefs:
         text, _ = theirs.generate_msgdef(msgtype, ros_version=1)
         found = types_in(target, text)
         register(ours, {name: fields for name, fields in found.items() if name not in ours.fielddefs})
-    with redirect_stdout(io.StringIO()):  # The converter prints what it will do.
-        convert = generate_message_converter(theirs, ours, msgtype, target, {}, src_is2=True, dst_is2=False)
-    return target, convert
+
+    @cache
+    def decoding() -> Callable[[bytes], memoryview]:
+        """Return rosbags' converter, which also converts numbers of other sizes, and CDR in big-endian order."""
+        with redirect_stdout(io.StringIO()):  # The converter prints what it will do.
+            return generate_message_converter(theirs, ours, msgtype, target, {}, src_is2=True, dst_is2=False)
+
+    def decoded(data: bytes) -> bytes:
+        return bytes(decoding()(data))
+
+    try:
+        copy = MessageCopy(theirs.fielddefs, msgtype, ours.fielddefs, target, to_cdr=False)
+    except ValueError:
+        decoding()  # Types that it cannot convert raise an error here.
+        return target, decoded
+    return target, lambda data: copy(data) if data.startswith(CDR_HEAD[:2]) else decoded(data)

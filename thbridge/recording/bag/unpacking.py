@@ -97,6 +97,26 @@ def unpacked_message(packed: bytes, so_far: UnpackedBytes) -> bytes:
     return data
 
 
+def unpacked_zstd(packed: bytes, size: int) -> bytes:
+    """Return the data of an MCAP chunk that is packed with zstd. If its stream is cut off, return the available data.
+
+    Raises:
+        TooLargeChunk: the unpacked size is above the size in the record, or above the limit for a chunk.
+        OSError: the stream is damaged.
+    """
+    _check_claim(len(packed), size)
+    pieces, found = [], 0
+    try:
+        with zstandard.ZstdDecompressor().stream_reader(packed) as stream:
+            while found <= size and (piece := stream.read(min(_PIECE, size + 1 - found))):
+                pieces.append(piece)
+                found += len(piece)
+    except zstandard.ZstdError as error:
+        raise OSError(str(error)) from error
+    _check_size(found, size)
+    return b"".join(pieces)
+
+
 def unpack_file(packed: Path, to: Path, so_far: UnpackedBytes) -> None:
     """Unpack a file of rosbag2 that is packed with zstd as a whole.
 

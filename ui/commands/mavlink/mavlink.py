@@ -159,7 +159,7 @@ def mavlink_replay(
     what_if = study_file is not None or bool(changes)
     setting = setting_of_recording(bag, study_file, changes or [], beside)
     if to is not None:
-        make_copy_ready(to, bag)
+        make_copy_ready(to, bag, setting.study.recording.compression)
 
     rooms = setting.map.room_names
 

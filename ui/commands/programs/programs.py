@@ -152,7 +152,7 @@ def simr(
     check_doors(study, None, door, graph, graph2, serves_text=False)
     shown = None if client.key is None else key_of(client.key)
     if bag is not None:
-        make_ready(bag)
+        make_ready(bag, setting.study.recording.compression)
     if real and graph is not None:
         for setting_name in settings_without_effect(setting.study):
             note(f"{setting_name} has no effect here: it applies only to simulated robots.")

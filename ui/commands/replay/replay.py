@@ -55,6 +55,8 @@ def replay(
     from thbridge.app.replay.replay import replay as run_again
     from thbridge.app.session.session import TickRecord
     from thbridge.recording.bag.reading.reader import info, messages
+    from thbridge.recording.bag.ros2 import has_cdr
+    from thbridge.recording.recordings import BAG, MCAP
     from thbridge.ros.names import INPUTS
     from thbridge.study.overrides import with_changes
     from thbridge.text_protocol.wire import legacy
@@ -77,7 +79,7 @@ def replay(
     for sentence in other_versions(record):
         note(sentence)
     if to is not None:
-        make_copy_ready(to, bag)
+        make_copy_ready(to, bag, setting.study.recording.compression)
 
     rooms = setting.map.room_names
 
@@ -93,7 +95,7 @@ def replay(
     compile_ahead(whole_hunt=False)
     figures: list[tuple[RunFigures | None, RunFigures | None]] = []
     with TemporaryDirectory(prefix="thbridge-") as folder:
-        kept = to or (Path(folder) / "replay.bag" if what_if else None)
+        kept = to or (Path(folder) / f"replay{MCAP if has_cdr(bag) else BAG}" if what_if else None)
         options = ReplayOptions(rate or 0.0, start, kept, kept is not None, participant)
         with shown_progress(progress, "replay", beside_text=not as_json) as tell:
             done = run(run_again(bag, setting, options, follow))

@@ -23,6 +23,7 @@ from thbridge.recording.bag.reading.reader import info, messages
 from thbridge.recording.bag.reading.scan import ChunkRecord, ConnectionRecord, MessageRecord, UnreadableSpan, scan
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writing.writer import BagWriter
+from thbridge.recording.recordings import active_of
 from thbridge.ros.messages.types import plain_definition
 from thbridge.ros.publisher import RosMessage, Topic
 
@@ -339,9 +340,10 @@ while True:
 """Writes 500 messages a simulated second as fast as it can and says after each what it wrote, and when."""
 
 
+@pytest.mark.parametrize("name", ["a.bag", "a.mcap", *slow("a")])
 @pytest.mark.parametrize("kill_after", [3_777, *slow(12_001, 20_250)])
-def test_killed_at_any_moment_at_most_the_last_second_is_lost(tmp_path: Path, kill_after: int) -> None:
-    path = tmp_path / "a.bag"
+def test_killed_at_any_moment_at_most_the_last_second_is_lost(tmp_path: Path, name: str, kill_after: int) -> None:
+    path = tmp_path / name
     process = subprocess.Popen([sys.executable, "-c", WRITE, str(path)], stdout=subprocess.PIPE)
     assert process.stdout is not None
     lines = [line for _, line in zip(range(kill_after), process.stdout, strict=False)]
@@ -350,7 +352,7 @@ def test_killed_at_any_moment_at_most_the_last_second_is_lost(tmp_path: Path, ki
     process.wait()
     process.stdout.close()
     said = [(float(second), int(stamp)) for second, stamp in (line.split() for line in lines)]
-    repaired = reindex(tmp_path / "a.bag.active")
+    repaired = reindex(active_of(path))
     assert repaired.end_ns is not None
     kept = next(second for second, stamp in said if stamp == repaired.end_ns)
     assert said[-1][0] - kept <= 1.0

@@ -129,14 +129,14 @@ def _together(one: TopicInfo, other: TopicInfo) -> TopicInfo:
     return TopicInfo(one.name, ", ".join(sorted(types)), one.messages + other.messages, one.latched or other.latched)
 
 
-def messages(path: Path, topics: Collection[str] | None = None) -> Iterator[RawMessage]:
+def messages(path: Path, topics: Collection[str] | None = None, unchanged: bool = False) -> Iterator[RawMessage]:
     """Yield every message, oldest first; see `recorded` for arguments, split recordings and errors."""
-    for connection, stamp_ns, data in recorded(path, topics):
+    for connection, stamp_ns, data in recorded(path, topics, unchanged=unchanged):
         yield RawMessage(connection.topic, connection.msgtype, connection.md5, stamp_ns, data)
 
 
 def recorded(
-    path: Path, topics: Collection[str] | None = None, since_ns: int | None = None
+    path: Path, topics: Collection[str] | None = None, since_ns: int | None = None, unchanged: bool = False
 ) -> Iterator[tuple[BagConnection, int, bytes]]:
     """Yield every message, oldest first: its publisher, stamp of recording (nanoseconds), and bytes.
 
@@ -151,6 +151,8 @@ def recorded(
     Args:
         path: the bag, or the name of a split recording.
         topics: names of the topics to read. If None, all topics are read. Chunks without these topics are not unpacked.
+        unchanged: True to yield messages of ROS 2 recordings as CDR, as they are in the file. By default, they become
+            messages of ROS 1.
         since_ns: a stamp. From chunks that end before this stamp, only messages that stay valid (see `holds`) are read.
 
     Raises:
@@ -159,7 +161,7 @@ def recorded(
     latched: dict[str, bytes] = {}
     known: dict[tuple[str | bool | None, ...], BagConnection] = {}
     for part in parts_of(path):
-        with opened(part) as (end, reader):
+        with opened(part, unchanged) as (end, reader):
             repeatable, start_ns = dict(latched), end.start_ns
             publishers = {
                 each.number: _publisher(each, known)
@@ -250,13 +252,15 @@ def _in_order(
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[tuple[FileEnd, ChunkReader]]:
+def opened(path: Path, unchanged: bool = False) -> Iterator[tuple[FileEnd, ChunkReader]]:
     """Open one file: the index at its end, and a reader of its chunks. A ROS 2 recording is converted first.
+
+    If `unchanged` is True, its messages stay CDR.
 
     Raises:
         BadFile: the file does not exist, is not a recording, or is cut off or damaged.
     """
-    path = as_ros1(path)
+    path = as_ros1(path, unchanged)
     check_is_bag(path)
     with path.open("rb") as file:
         end = FileEnd()

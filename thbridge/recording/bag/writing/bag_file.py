@@ -2,20 +2,15 @@
 
 import errno
 import os
+from collections import Counter
+from collections.abc import Collection
 from pathlib import Path
 
 from thbridge.recording.bag.options import Compression
-from thbridge.recording.bag.records import (
-    MAGIC,
-    BagConnection,
-    bag_header,
-    chunk_info_record,
-    chunk_pieces,
-    connection_record,
-    index_record,
-)
+from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.writing.chunks import Chunk, ChunkBuilder
 from thbridge.recording.bag.writing.disk_room import reserve_space
+from thbridge.recording.bag.writing.formats import ROS1_BAG, BagFormat
 
 NAMELESS = ".new"
 """Suffix of a file that does not yet have a bag's first record."""
@@ -31,6 +26,7 @@ class ChunkFile:
     Args:
         path: path of the file, which must not exist.
         compression: compression of the chunks.
+        form: format of the file.
 
     Attributes:
         path: path of the file.
@@ -40,14 +36,17 @@ class ChunkFile:
         OSError: the file cannot be created.
     """
 
-    def __init__(self, path: Path, compression: Compression = Compression.NONE) -> None:
+    def __init__(self, path: Path, compression: Compression = Compression.NONE, form: BagFormat = ROS1_BAG) -> None:
         self.path = path
         self.size = 0
         self._compression = compression
-        self._known: set[BagConnection] = set()
+        self._form = form
+        self._counts: Counter[BagConnection] = Counter()
+        self._times: tuple[int, int] | None = None
         self._infos: list[bytes] = []
         self._index_bytes = 0
         self._end = 0
+        self._tail = form.tail
         self._complete = False
         if path.exists():
             raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
@@ -56,7 +55,7 @@ class ChunkFile:
         nameless.unlink(missing_ok=True)
         self._file = nameless.open("xb", buffering=0)
         try:
-            self._append(MAGIC + bag_header(0, 0, 0))
+            self._append(form.beginning)
             nameless.rename(path)
         except OSError:
             self._file.close()
@@ -65,24 +64,25 @@ class ChunkFile:
 
     def append(self, chunk: Chunk) -> None:
         """Add a chunk. Raises OSError; then the file is unchanged, except for a preview."""
-        head = self._head(chunk)
-        info = chunk_info_record(self.size, chunk.start_ns, chunk.end_ns, chunk.counts)
+        packed = self._form.packed(self.size, chunk, self._known(), self._compression)
         # Space for the index is reserved with each chunk, so that the bag can be completed on a full disk.
-        self._index_bytes += len(head) + len(info)
+        self._index_bytes += packed.index_bytes
         try:
-            self._append(_records(head, chunk, self._compression))
+            self._append(packed.data)
         except OSError:
-            self._index_bytes -= len(head) + len(info)
+            self._index_bytes -= packed.index_bytes
             raise
-        self._known.update(chunk.entries)
-        self._infos.append(info)
+        self._counts.update(chunk.counts)
+        self._infos.append(packed.info)
+        start, end = self._times or (chunk.start_ns, chunk.end_ns)
+        self._times = min(start, chunk.start_ns), max(end, chunk.end_ns)
 
     def preview(self, chunk: Chunk) -> None:
         """Write a chunk that is still growing; the complete chunk will overwrite it. Raises OSError, like `append`.
 
         A preview is never compressed, so it stays readable while a longer preview is written over it.
         """
-        self._put(_records(self._head(chunk), chunk, Compression.NONE))
+        self._put(self._form.packed(self.size, chunk, self._known(), Compression.NONE).data)
 
     def sync(self) -> None:
         """Force the file onto the disk (fsync). Raises OSError, for example if the file was deleted."""
@@ -94,15 +94,15 @@ class ChunkFile:
         """Write the index, once. Raises OSError; then the file is unchanged, and this may be called again."""
         if self._complete:
             return
-        # Connections are sorted, because readers use the order of connections for messages with equal stamps. The order
-        # must be the same in all parts.
-        known = sorted(self._known, key=lambda connection: connection.number)
         position, self._index_bytes = self.size, 0
-        self._append(b"".join((*map(connection_record, known), *self._infos)))
+        tail, self._tail = self._tail, b""
         try:
-            self._write(len(MAGIC), bag_header(position, len(known), len(self._infos)))
+            self._append(self._form.end(position, self._counts, self._infos, self._times))
+            beginning = self._form.final_beginning(position, len(self._counts), len(self._infos))
+            if beginning != self._form.beginning:
+                self._write(0, beginning)
         except OSError:
-            self.size = position
+            self.size, self._tail = position, tail
             raise
         self._complete = True
 
@@ -114,21 +114,23 @@ class ChunkFile:
         """Close the file without completing it."""
         self._file.close()
 
-    def _head(self, chunk: Chunk) -> bytes:
-        """Return the records of connections that are new to the file."""
-        return b"".join(connection_record(connection) for connection in chunk.entries if connection not in self._known)
+    def _known(self) -> Collection[BagConnection]:
+        """Return the connections of the file so far, in the order of their records."""
+        return self._counts.keys()
 
     def _append(self, data: bytes) -> None:
         """Write data after the kept bytes. From then on, these data belong to the kept bytes."""
         self._put(data)
         self.size += len(data)
-        if self._end > self.size:
+        if self._end > self.size + len(self._tail):
             # The preview was longer than the compressed chunk.
-            self._cut()
+            self._end = self.size + len(self._tail)
+            self._file.truncate(self._end)
             self._set_aside(0)
 
     def _put(self, data: bytes) -> None:
         """Write after the kept bytes. Raises OSError; then the file ends with the kept bytes."""
+        data += self._tail
         self._set_aside(len(data))
         try:
             self._write(self.size, data)
@@ -154,27 +156,22 @@ class ChunkFile:
             reserve_space(self._file.fileno(), self.size, size + self._index_bytes)
 
 
-def _records(head: bytes, chunk: Chunk, compression: Compression) -> bytes:
-    """Return a chunk with its index data records; without them, ROS's `reindex` rejects the last chunk of a file."""
-    index = (index_record(connection, chunk.moved_entries(connection, len(head))) for connection in chunk.entries)
-    return b"".join((*chunk_pieces(head + chunk.data, compression), *index))
-
-
 class BagFile:
     """A bag that one thread writes message by message; stamps do not have to be in order.
 
     Args:
         path: path of the file, which must not exist.
         compression: compression of the chunks.
+        form: format of the file.
 
     Raises:
         OSError: raised by every method. After that, `close` may be called again; it leaves out data that could not be
             written.
     """
 
-    def __init__(self, path: Path, compression: Compression = Compression.NONE) -> None:
-        self._file = ChunkFile(path, compression)
-        self._chunks = ChunkBuilder()
+    def __init__(self, path: Path, compression: Compression = Compression.NONE, form: BagFormat = ROS1_BAG) -> None:
+        self._file = ChunkFile(path, compression, form)
+        self._chunks = ChunkBuilder(form.layout)
         self._connections = 0
 
     def connect(

@@ -1,13 +1,14 @@
 """Chunks of a bag, built in memory from messages."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from thbridge.recording.bag.records import U32, BagConnection, message_head, time_bytes
+from thbridge.recording.bag.records import BagConnection
+from thbridge.recording.bag.writing.message_layouts import ROS1, TIME, MessageLayout
 
 CHUNK_BYTES = 768 * 1024
 CHUNK_NS = 1_000_000_000
@@ -17,20 +18,6 @@ for every topic in it."""
 
 MOST_BYTES = 2 * CHUNK_BYTES
 """Maximum size of a chunk. A larger chunk ends even between messages with equal stamps."""
-
-_NO_TIME = time_bytes(0)
-_TIME = np.dtype(f"V{len(_NO_TIME)}")
-_ENTRY = np.dtype([("time", _TIME), ("offset", "<u4")])
-_HEAD = message_head(0) + _NO_TIME + U32.pack(0)
-"""A message record without the message."""
-_HEAD_FIELDS = np.dtype(
-    {
-        "names": ["connection", "time", "size"],
-        "formats": ["<u4", _TIME, "<u4"],
-        "offsets": [_HEAD.index(b"conn=") + 5, len(_HEAD) - U32.size - _TIME.itemsize, len(_HEAD) - U32.size],
-        "itemsize": len(_HEAD),
-    }
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +30,7 @@ class Chunk:
         end_ns: the newest stamp.
         entries: index entries of the messages, by connection; offsets count from the start of `data`.
         counts: number of messages, by connection.
+        entry: type of an index entry, with the field `offset`.
     """
 
     data: bytes
@@ -50,12 +38,13 @@ class Chunk:
     end_ns: int
     entries: Mapping[BagConnection, bytes]
     counts: Mapping[BagConnection, int]
+    entry: np.dtype[np.void]
 
     def moved_entries(self, connection: BagConnection, by: int) -> bytes:
         """Return the index entries of a connection if `by` bytes are written before `data` in the chunk."""
         if not by:
             return self.entries[connection]
-        entries = np.frombuffer(self.entries[connection], _ENTRY).copy()
+        entries = np.frombuffer(self.entries[connection], self.entry).copy()
         entries["offset"] += by
         return entries.tobytes()
 
@@ -63,11 +52,16 @@ class Chunk:
 class ChunkBuilder:
     """Collector of messages for a chunk. Their records are built all at once, when the chunk is needed.
 
+    Args:
+        layout: layout of the records.
+
     Attributes:
         size: bytes of the collected messages' records.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, layout: MessageLayout = ROS1) -> None:
+        self._layout = layout
+        self._before: Counter[BagConnection] = Counter()
         self._begin()
 
     def _begin(self) -> None:
@@ -89,14 +83,14 @@ class ChunkBuilder:
 
     def add(self, connection: BagConnection, stamp_ns: int, data: bytes) -> None:
         """Add a message."""
-        self._add(stamp_ns, (connection,), (data,), len(data) + len(_HEAD))
+        self._add(stamp_ns, (connection,), (data,), len(data) + self._layout.head_bytes)
 
     def add_all(self, connections: Sequence[BagConnection], stamp_ns: int, messages: Sequence[bytes]) -> bool:
         """Add messages of one stamp if all of them fit. Otherwise add none of them, and return False.
 
         The chunk must accept the first message.
         """
-        size = sum(map(len, messages)) + len(_HEAD) * len(messages)
+        size = sum(map(len, messages)) + self._layout.head_bytes * len(messages)
         if self.size + size > MOST_BYTES:
             return False
         self._add(stamp_ns, connections, messages, size)
@@ -115,39 +109,41 @@ class ChunkBuilder:
 
     def snapshot(self) -> Chunk:
         """Return a copy of the chunk, which continues to grow."""
-        count = len(self._messages)
+        layout, count = self._layout, len(self._messages)
         numbers = np.fromiter((connection.number for connection in self._connections), np.int64, count)
         sizes = np.fromiter(map(len, self._messages), np.int64, count)
-        times = np.repeat(np.frombuffer(b"".join(map(time_bytes, self._stamps)), _TIME), self._repeats)
-        records = [b""] * (2 * count)
-        records[::2], records[1::2] = _heads(numbers, times, sizes), self._messages
-        entries = np.empty(len(sizes), _ENTRY)
-        entries["time"] = times
-        entries["offset"] = np.cumsum(sizes + len(_HEAD)) - sizes - len(_HEAD)
+        times = np.repeat(np.frombuffer(b"".join(map(layout.time_bytes, self._stamps)), TIME), self._repeats)
         # Sorted by connection, so that each connection's entries are contiguous.
-        packed = entries[np.argsort(numbers, kind="stable")].tobytes()
+        order = np.argsort(numbers, kind="stable")
         counts = np.bincount(numbers)
-        ends = (np.cumsum(counts) * _ENTRY.itemsize).tolist()
-        of_number = [packed[begin:end] for begin, end in pairwise((0, *ends))]
+        ends = np.cumsum(counts)
         connections = dict.fromkeys(self._connections)
+        sequence = np.zeros(count, np.int64)
+        if layout.is_numbered:
+            before = np.zeros(len(counts), np.int64)
+            for connection in connections:
+                before[connection.number] = self._before[connection]
+            sequence[order] = np.arange(count) - np.repeat(ends - counts - before, counts)
+        records = [b""] * (2 * count)
+        records[::2], records[1::2] = layout.heads(numbers, times, sizes, sequence), self._messages
+        entries = np.empty(count, layout.entry)
+        entries["time"] = times
+        entries["offset"] = np.cumsum(sizes + layout.head_bytes) - sizes - layout.head_bytes
+        packed = entries[order].tobytes()
+        edges = (ends * layout.entry.itemsize).tolist()
+        of_number = [packed[begin:end] for begin, end in pairwise((0, *edges))]
         return Chunk(
             b"".join(records),
             self._start_ns,
             max(self._stamps),
             {connection: of_number[connection.number] for connection in connections},
             {connection: int(counts[connection.number]) for connection in connections},
+            layout.entry,
         )
 
     def take(self) -> Chunk:
         """Return the chunk; the next message begins another chunk."""
         chunk = self.snapshot()
+        self._before.update(chunk.counts)
         self._begin()
         return chunk
-
-
-def _heads(numbers: NDArray[np.int64], times: NDArray[np.void], sizes: NDArray[np.int64]) -> list[bytes]:
-    """Return the heads of messages, given (n,) numbers of their connections, times as in `_TIME`, and lengths."""
-    rows = np.frombuffer(bytearray(_HEAD * len(sizes)), _HEAD_FIELDS)
-    rows["connection"], rows["time"], rows["size"] = numbers, times, sizes
-    heads: list[bytes] = rows.view(f"V{len(_HEAD)}").tolist()
-    return heads

@@ -3,12 +3,14 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from thbridge.files.disk.synced import make_folder
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag.options import Compression, SplitLimits
+from thbridge.recording.bag.writing.formats import ROS1_BAG, BagFormat
 from thbridge.recording.bag.writing.parts import QueuedChunk, SplitBagWriter
 from thbridge.recording.bag.writing.worker import JobQueue
 from thbridge.recording.claims import claim, release
-from thbridge.recording.recordings import active_of, part_of, parts_of
+from thbridge.recording.recordings import active_of, finished_of, is_folder, part_of
 
 BEHIND_SECONDS = 10.0
 """Maximum delay of the disk, in seconds. If the delay is longer, the recording ends."""
@@ -40,13 +42,19 @@ class BagDisk:
         compression: compression of the bag's chunks.
         splitting: limits after which the recording continues in another file.
         make_queue: factory of the two job queues, given a name for each.
+        form: format of the files.
 
     Raises:
         BagNotWritten: the bag exists already, or the folder cannot be written to.
     """
 
     def __init__(
-        self, path: Path, compression: Compression, splitting: SplitLimits, make_queue: Callable[[str], JobQueue]
+        self,
+        path: Path,
+        compression: Compression,
+        splitting: SplitLimits,
+        make_queue: Callable[[str], JobQueue],
+        form: BagFormat = ROS1_BAG,
     ) -> None:
         self._path = path
         try:
@@ -59,7 +67,9 @@ class BagDisk:
         self._syncing = make_queue("bag sync")
         self._writing = make_queue("bag writer")
         try:
-            self._parts = SplitBagWriter(path, compression, splitting, self._syncing)
+            if is_folder(path):
+                make_folder(path)
+            self._parts = SplitBagWriter(path, compression, splitting, self._syncing, form)
         except OSError as error:
             self.end()
             raise BagNotWritten(path, _reason(error), "name a folder that exists and may be written to") from error
@@ -147,7 +157,7 @@ class BagDisk:
 
 def _refuse_taken(path: Path) -> None:
     """Raise BagNotWritten if there is a recording with this name."""
-    finished = [file for file in parts_of(path) if file.exists()]
+    finished = finished_of(path)
     active = [file for file in (active_of(path), active_of(part_of(path, 0))) if file.exists()]
     if finished:
         remedy = "choose another name, or move this file to another folder"

@@ -6,10 +6,12 @@ from pathlib import Path
 from thbridge.files.disk.synced import sync_folder
 from thbridge.recording.bag.options import Compression, SplitLimits
 from thbridge.recording.bag.records import BagConnection
+from thbridge.recording.bag.rosbag2_metadata import write_metadata
 from thbridge.recording.bag.writing.bag_file import ChunkFile
 from thbridge.recording.bag.writing.chunks import Chunk, ChunkBuilder
+from thbridge.recording.bag.writing.formats import ROS1_BAG, BagFormat
 from thbridge.recording.bag.writing.worker import JobQueue
-from thbridge.recording.recordings import ACTIVE, active_of, part_of
+from thbridge.recording.recordings import ACTIVE, active_of, is_folder, part_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,13 +39,22 @@ class SplitBagWriter:
         compression: compression of the chunks.
         splitting: limits of a file.
         syncing: queue of the jobs that force files onto the disk.
+        form: format of the files.
 
     Raises:
         OSError: the first file cannot be created.
     """
 
-    def __init__(self, path: Path, compression: Compression, splitting: SplitLimits, syncing: JobQueue) -> None:
+    def __init__(
+        self,
+        path: Path,
+        compression: Compression,
+        splitting: SplitLimits,
+        syncing: JobQueue,
+        form: BagFormat = ROS1_BAG,
+    ) -> None:
         self._path = path
+        self._form = form
         self._compression = compression
         self._splitting = splitting
         self._syncing = syncing
@@ -112,7 +123,7 @@ class SplitBagWriter:
         self.finish()
         self._file = self._begin(self._number + 1)
         self._number, self._period, self._full = self._number + 1, piece.period, False
-        opening = ChunkBuilder()
+        opening = ChunkBuilder(self._form.layout)
         for connection, data in piece.latched:
             opening.add(connection, piece.chunk.start_ns, data)
         if opening.size:
@@ -120,9 +131,9 @@ class SplitBagWriter:
         self._repeated = self._file.size
 
     def _begin(self, number: int) -> ChunkFile:
-        path = part_of(self._path, number) if self._splitting.wanted else self._path
+        path = part_of(self._path, number) if self._splitting.wanted or is_folder(self._path) else self._path
         _refuse_taken(path)
-        file = ChunkFile(active_of(path), self._compression)
+        file = ChunkFile(active_of(path), self._compression, self._form)
         self._open.append(file)
         return file
 
@@ -135,6 +146,8 @@ class SplitBagWriter:
         sync_folder(name.parent)
         self._open.remove(file)
         file.close()
+        if is_folder(self._path) and not self._open:
+            write_metadata(self._path)
 
 
 def _finished(file: ChunkFile) -> Path:

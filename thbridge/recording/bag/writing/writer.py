@@ -1,8 +1,9 @@
 """Recording of a session in a bag. A program that is killed at any time loses at most the last second."""
 
+import logging
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -12,16 +13,21 @@ from thbridge.recording.bag.options import Compression, SplitLimits
 from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.writing.chunks import Chunk, ChunkBuilder
 from thbridge.recording.bag.writing.disk import BEHIND_SECONDS, BagDisk, BagNotWritten
+from thbridge.recording.bag.writing.formats import MCAP_FILE, ROS1_BAG
 from thbridge.recording.bag.writing.parts import QueuedChunk
 from thbridge.recording.bag.writing.worker import JobQueue, WorkerThread
+from thbridge.recording.recordings import is_of_ros2
 from thbridge.ros.names import CALLER
 from thbridge.ros.topics import MessageFilter, RosMessage, Topic
+from thbridge.ros2.message_copies import MessageCopy
+from thbridge.ros2.recorded_types import recorded_type
 
 SYNC_SECONDS = 0.5
 """Wall time after which all messages so far are forced onto the disk, in seconds. At most one second may be lost; half
 of this second is reserved for delays of a busy machine."""
 
 WHOLE = SplitLimits()
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +58,7 @@ class BagWriter:
     bytes. Threads compress and write, so a disk that is slow for a while does not delay the session.
 
     Args:
-        path: path of the finished bag, normally `*.bag`.
+        path: path of the finished bag: `*.bag`, or `*.mcap` or a folder for the formats of ROS 2.
         definitions: definitions of message types; by default, definitions that are the same on every machine.
         clock: monotonic clock, seconds, for the times of syncing.
         compression: compression of the bag's chunks.
@@ -82,15 +88,18 @@ class BagWriter:
         self._definitions = definitions or Definitions()
         self._clock = clock
         self._splitting = splitting
+        self._form = MCAP_FILE if is_of_ros2(path) else ROS1_BAG
         self._connections: dict[Topic | ForeignTopic, BagConnection] = {}
+        self._omitted: set[ForeignTopic] = set()
+        self._to_cdr: dict[BagConnection, MessageCopy] = {}
         self._latched: dict[BagConnection, bytes] = {}
         self._latched_before: tuple[tuple[BagConnection, bytes], ...] = ()
-        self._chunks = ChunkBuilder()
+        self._chunks = ChunkBuilder(self._form.layout)
         self._first_ns: int | None = None
         self._stamp_ns = -1
         self._period = 0
         self._open = True
-        self._disk = BagDisk(path, compression, splitting, make_queue)
+        self._disk = BagDisk(path, compression, splitting, make_queue, self._form)
         self._synced = clock()
 
     def write(self, message: RosMessage) -> None:
@@ -105,7 +114,18 @@ class BagWriter:
             self._add(topic, stamp_ns, data)
 
     def write_foreign(self, source: ForeignTopic, stamp_ns: int, data: bytes) -> None:
-        """Write one message of another node. Raise the same errors as `write`."""
+        """Write one message of another node. Raise the same errors as `write`.
+
+        A recording of ROS 2 omits messages that do not match the definition of their topic, and logs this once.
+        """
+        if self._form is MCAP_FILE:
+            try:
+                recorded_type(source.msgtype, source.definition).from_ros1(data)
+            except ValueError as error:
+                if source not in self._omitted:
+                    self._omitted.add(source)
+                    _log.warning("%s of %s: messages are not recorded (%s)", source.name, source.caller, error)
+                return
         self._add(source, stamp_ns, data)
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
@@ -176,16 +196,21 @@ class BagWriter:
         """Add messages of one stamp."""
         self._turn_to(stamp_ns)
         connections = [self._connections.get(topic) or self._connect(topic) for topic in topics]
+        if self._to_cdr:
+            messages = [self._to_cdr[of](data) for of, data in zip(connections, messages, strict=True)]
         if not self._chunks.add_all(connections, stamp_ns, messages):
-            for topic, data in zip(topics, messages, strict=True):
-                self._add(topic, stamp_ns, data)
+            for topic, connection, data in zip(topics, connections, messages, strict=True):
+                self._put(topic, connection, stamp_ns, data)
         elif self._splitting.wanted:
             latched = zip(connections, messages, strict=True)
             self._latched.update((connection, data) for connection, data in latched if connection.latching)
 
     def _add(self, topic: Topic | ForeignTopic, stamp_ns: int, data: bytes) -> None:
-        self._turn_to(stamp_ns)
         connection = self._connections.get(topic) or self._connect(topic)
+        self._put(topic, connection, stamp_ns, self._to_cdr[connection](data) if self._to_cdr else data)
+
+    def _put(self, topic: Topic | ForeignTopic, connection: BagConnection, stamp_ns: int, data: bytes) -> None:
+        self._turn_to(stamp_ns)
         self._chunks.add(connection, stamp_ns, data)
         if topic.latched:
             self._latched[connection] = data
@@ -212,7 +237,7 @@ class BagWriter:
         self._period = period
 
     def _connect(self, topic: Topic | ForeignTopic) -> BagConnection:
-        number = len(self._connections)
+        number = self._form.first_number + len(self._connections)
         if isinstance(topic, ForeignTopic):
             connection = BagConnection(
                 number, topic.name, topic.msgtype, topic.md5, topic.definition, topic.caller, topic.latched
@@ -222,6 +247,10 @@ class BagWriter:
             connection = BagConnection(
                 number, topic.name, topic.msgtype, definition.md5, definition.text, self._caller, topic.latched
             )
+        if self._form is MCAP_FILE:
+            theirs = recorded_type(connection.msgtype, connection.definition)
+            connection = replace(connection, msgtype=theirs.name, definition=theirs.definition, md5=theirs.hash)
+            self._to_cdr[connection] = theirs.from_ros1
         self._connections[topic] = connection
         return connection
 

@@ -16,7 +16,7 @@ from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, re
 from tests.support.bags.inline_queue import InlineQueue
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
-from thbridge.recording.bag.options import Compression, SplitLimits
+from thbridge.recording.bag.options import MCAP_COMPRESSIONS, ROS1_COMPRESSIONS, Compression, SplitLimits
 from thbridge.recording.bag.reading.reader import info, messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writing import bag_file, disk
@@ -25,11 +25,27 @@ from thbridge.recording.bag.writing.bag_file import BagFile
 from thbridge.recording.bag.writing.disk import BagNotWritten
 from thbridge.recording.bag.writing.worker import JobQueue, WorkerThread
 from thbridge.recording.bag.writing.writer import WHOLE, BagWriter
-from thbridge.recording.recordings import make_room, parts_of
+from thbridge.recording.recordings import (
+    MCAP,
+    active_of,
+    finished_of,
+    is_folder,
+    make_room,
+    part_of,
+    parts_of,
+    unfinished_of,
+)
 from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic
 
 CHATTER = Topic("/chatter", "std_msgs/String")
 PLAIN = Definitions(())
+KINDS = ["a.bag", "a.mcap", "a"]
+"""Names of recordings: a bag, an MCAP file, and a folder of rosbag2."""
+FORMS = [
+    *(("a.bag", each) for each in ROS1_COMPRESSIONS),
+    *(("a.mcap", each) for each in MCAP_COMPRESSIONS),
+    ("a", Compression.LZ4),
+]
 
 
 def text(tick: int, size: int = 100) -> RosMessage:
@@ -81,28 +97,30 @@ def test_the_first_record_is_the_session(tmp_path: Path) -> None:
     assert b"topic=/thbridge/session" in path.read_bytes()[4117:4300]
 
 
-def test_equal_sessions_give_equal_bytes_however_fast_the_wall_clock_goes(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", [".bag", ".mcap"])
+def test_equal_sessions_give_equal_bytes_however_fast_the_wall_clock_goes(tmp_path: Path, name: str) -> None:
     slow = iter(float(second) for second in range(10_000))
-    recorded(tmp_path / "slow.bag", 2, 120, lambda: next(slow))
-    recorded(tmp_path / "fast.bag", 2, 120)
-    assert (tmp_path / "slow.bag").read_bytes() == (tmp_path / "fast.bag").read_bytes()
+    recorded(tmp_path / f"slow{name}", 2, 120, lambda: next(slow))
+    recorded(tmp_path / f"fast{name}", 2, 120)
+    assert (tmp_path / f"slow{name}").read_bytes() == (tmp_path / f"fast{name}").read_bytes()
 
 
+@pytest.mark.parametrize("name", [".bag", ".mcap"])
 @pytest.mark.parametrize("splitting", [WHOLE, SplitLimits(duration_ns=700_000_000)])
-def test_ticks_are_written_as_their_messages_one_by_one(tmp_path: Path, splitting: SplitLimits) -> None:
+def test_ticks_are_written_as_their_messages_one_by_one(tmp_path: Path, name: str, splitting: SplitLimits) -> None:
     """Among them a tick of more than a chunk, and a list of more than one stamp."""
     latched = text(0)._replace(topic=CHATTER._replace(name="/latched", latched=True))
     in_ticks = [[latched, text(0)], [text(1, 10_000)] * 300, [text(40), text(41)], [text(90)]]
-    with BagWriter(tmp_path / "ticks.bag", PLAIN, splitting=splitting) as writer:
+    with BagWriter(tmp_path / f"ticks{name}", PLAIN, splitting=splitting) as writer:
         for tick, said in enumerate(in_ticks):
             writer.take(tick, said)
-    with BagWriter(tmp_path / "single.bag", PLAIN, splitting=splitting) as writer:
+    with BagWriter(tmp_path / f"single{name}", PLAIN, splitting=splitting) as writer:
         for said in in_ticks:
             for message in said:
                 writer.write(message)
-    ticks, single = (parts_of(tmp_path / name) for name in ("ticks.bag", "single.bag"))
+    ticks, single = (parts_of(tmp_path / name) for name in (f"ticks{name}", f"single{name}"))
     assert [part.read_bytes() for part in ticks] == [part.read_bytes() for part in single]
-    assert len(list(messages(tmp_path / "ticks.bag"))) == 305
+    assert len(list(messages(tmp_path / f"ticks{name}"))) == 305
 
 
 def test_the_first_record_is_padded_as_ros_pads_it(tmp_path: Path) -> None:
@@ -155,9 +173,12 @@ def test_a_stamp_of_very_much_is_several_chunks(tmp_path: Path) -> None:
         assert all(chunk.datasize <= bag_chunks.MOST_BYTES + 11_000 for chunk in reader.chunks.values())
 
 
+@pytest.mark.parametrize("name", KINDS)
 @pytest.mark.parametrize("failure", [RuntimeError, KeyboardInterrupt, SystemExit])
-def test_whatever_ends_the_session_leaves_a_complete_bag(tmp_path: Path, failure: type[BaseException]) -> None:
-    path = tmp_path / "a.bag"
+def test_whatever_ends_the_session_leaves_a_complete_bag(
+    tmp_path: Path, name: str, failure: type[BaseException]
+) -> None:
+    path = tmp_path / name
     with pytest.raises(failure), BagWriter(path, PLAIN) as writer:
         writer.write(text(0))
         writer.write(text(1))
@@ -165,42 +186,46 @@ def test_whatever_ends_the_session_leaves_a_complete_bag(tmp_path: Path, failure
     assert info(path).messages == 2
 
 
-def test_a_bag_without_messages_is_a_bag(tmp_path: Path) -> None:
-    with BagWriter(tmp_path / "a.bag", PLAIN):
+@pytest.mark.parametrize("name", KINDS)
+def test_a_bag_without_messages_is_a_bag(tmp_path: Path, name: str) -> None:
+    with BagWriter(tmp_path / name, PLAIN):
         pass
-    assert info(tmp_path / "a.bag").messages == 0
+    assert info(tmp_path / name).messages == 0
 
 
-def test_an_existing_bag_is_not_overwritten(tmp_path: Path) -> None:
-    path = tmp_path / "a.bag"
+@pytest.mark.parametrize("name", KINDS[:2])
+def test_an_existing_bag_is_not_overwritten(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
     path.write_bytes(b"dear")
     with pytest.raises(BagNotWritten, match="already"):
         BagWriter(path, PLAIN)
     assert path.read_bytes() == b"dear"
 
 
-@pytest.mark.parametrize("name", ["a.bag.active", "a_0.bag.active"])
+@pytest.mark.parametrize("name", ["a.bag.active", "a_0.bag.active", "a.mcap.active", "a_0.mcap.active"])
 def test_a_bag_cut_off_is_not_overwritten(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_bytes(b"dear")
     with pytest.raises(BagNotWritten, match=f"reindex .*{name}"):
-        BagWriter(tmp_path / "a.bag", PLAIN)
+        BagWriter(tmp_path / f"a{Path(Path(name).stem).suffix}", PLAIN)
 
 
-def test_a_bag_that_appears_meanwhile_is_not_overwritten(tmp_path: Path) -> None:
-    writer = BagWriter(tmp_path / "a.bag", PLAIN)
+@pytest.mark.parametrize("name", KINDS[:2])
+def test_a_bag_that_appears_meanwhile_is_not_overwritten(tmp_path: Path, name: str) -> None:
+    writer = BagWriter(tmp_path / name, PLAIN)
     writer.write(text(0))
-    (tmp_path / "a.bag").write_bytes(b"dear")
+    (tmp_path / name).write_bytes(b"dear")
     with pytest.raises(BagNotWritten):
         writer.close()
-    assert (tmp_path / "a.bag").read_bytes() == b"dear"
-    (tmp_path / "a.bag").unlink()
-    (tmp_path / "a.bag.active").rename(tmp_path / "a.bag")
-    assert info(tmp_path / "a.bag").messages == 1
+    assert (tmp_path / name).read_bytes() == b"dear"
+    (tmp_path / name).unlink()
+    (tmp_path / f"{name}.active").rename(tmp_path / name)
+    assert info(tmp_path / name).messages == 1
 
 
-def test_no_folder_is_a_clear_refusal(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", KINDS)
+def test_no_folder_is_a_clear_refusal(tmp_path: Path, name: str) -> None:
     with pytest.raises(BagNotWritten, match="folder"):
-        BagWriter(tmp_path / "nowhere" / "a.bag", PLAIN)
+        BagWriter(tmp_path / "nowhere" / name, PLAIN)
 
 
 def test_messages_do_not_go_back_in_time(tmp_path: Path) -> None:
@@ -210,8 +235,9 @@ def test_messages_do_not_go_back_in_time(tmp_path: Path) -> None:
             writer.write(text(4))
 
 
-def test_a_closed_bag_takes_no_more(tmp_path: Path) -> None:
-    writer = BagWriter(tmp_path / "a.bag", PLAIN)
+@pytest.mark.parametrize("name", KINDS)
+def test_a_closed_bag_takes_no_more(tmp_path: Path, name: str) -> None:
+    writer = BagWriter(tmp_path / name, PLAIN)
     writer.close()
     writer.close()
     with pytest.raises(ValueError, match="closed"):
@@ -236,11 +262,13 @@ def room(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
     yield left
 
 
+@pytest.mark.parametrize("name", KINDS)
 @pytest.mark.parametrize("lane", [inline, WorkerThread])
 def test_a_full_disk_is_told_and_all_before_it_is_kept(
-    tmp_path: Path, room: list[int], lane: Callable[[str], JobQueue]
+    tmp_path: Path, name: str, room: list[int], lane: Callable[[str], JobQueue]
 ) -> None:
-    path = tmp_path / "a.bag"
+    path = tmp_path / name
+    part = part_of(path, 0) if is_folder(path) else path
     writer = BagWriter(path, PLAIN, make_queue=lane)
     for tick in range(200):
         writer.write(text(tick, 1000))
@@ -251,41 +279,44 @@ def test_a_full_disk_is_told_and_all_before_it_is_kept(
             writer.sync_if_due()
         writer.close()
     writer.close()
-    assert raised.value.path in (path, tmp_path / "a.bag.active")
+    assert raised.value.path in (part, active_of(path))
     room[0] = -1
     assert info(path).messages == 150  # three chunks of a second
     assert "last second" in str(raised.value)
 
 
-def test_a_disk_too_full_for_an_index_leaves_a_bag_to_reindex(tmp_path: Path, room: list[int]) -> None:
-    path = tmp_path / "a.bag"
+@pytest.mark.parametrize("name", KINDS)
+def test_a_disk_too_full_for_an_index_leaves_a_bag_to_reindex(tmp_path: Path, name: str, room: list[int]) -> None:
+    path = tmp_path / name
     writer = BagWriter(path, PLAIN, make_queue=inline)
     for tick in range(151):
         writer.write(text(tick, 1000))
-    room[0] = (tmp_path / "a.bag.active").stat().st_size + 10
+    room[0] = active_of(path).stat().st_size + 10
     with pytest.raises(BagNotWritten, match="reindex"):
         writer.close()
-    assert not path.exists()
+    assert not finished_of(path)
     room[0] = -1
-    assert reindex(tmp_path / "a.bag.active").messages == 150
+    assert reindex(active_of(path)).messages == 150
 
 
-def test_a_full_disk_at_the_regular_sync_is_told(tmp_path: Path, room: list[int]) -> None:
+@pytest.mark.parametrize("name", KINDS)
+def test_a_full_disk_at_the_regular_sync_is_told(tmp_path: Path, name: str, room: list[int]) -> None:
     seconds = iter(range(100))
-    writer = BagWriter(tmp_path / "a.bag", PLAIN, clock=lambda: float(next(seconds)), make_queue=inline)
+    writer = BagWriter(tmp_path / name, PLAIN, clock=lambda: float(next(seconds)), make_queue=inline)
     writer.write(text(0, 1000))
     writer.sync_if_due()
-    room[0] = (tmp_path / "a.bag.active").stat().st_size + 10
+    room[0] = active_of(tmp_path / name).stat().st_size + 10
     writer.write(text(1, 1000))
     with pytest.raises(BagNotWritten, match="no space left"):
         writer.sync_if_due()
 
 
-def test_a_folder_that_vanishes_is_told(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", KINDS)
+def test_a_folder_that_vanishes_is_told(tmp_path: Path, name: str) -> None:
     folder = tmp_path / "bags"
     folder.mkdir()
     seconds = iter(range(100))
-    writer = BagWriter(folder / "a.bag", PLAIN, clock=lambda: float(next(seconds)), make_queue=inline)
+    writer = BagWriter(folder / name, PLAIN, clock=lambda: float(next(seconds)), make_queue=inline)
     writer.write(text(0))
     shutil.rmtree(folder)
     with pytest.raises(BagNotWritten, match="deleted"):
@@ -293,9 +324,9 @@ def test_a_folder_that_vanishes_is_told(tmp_path: Path) -> None:
     writer.close()
 
 
-@pytest.mark.parametrize("compression", Compression)
+@pytest.mark.parametrize(("name", "compression"), FORMS)
 def test_whichever_write_fails_all_that_was_written_can_be_read(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compression: Compression
+    tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch, compression: Compression
 ) -> None:
     write = bag_file.ChunkFile._write
     left = 0
@@ -318,7 +349,7 @@ def test_whichever_write_fails_all_that_was_written_can_be_read(
         folder.mkdir()
         try:
             with BagWriter(
-                folder / "a.bag",
+                folder / name,
                 PLAIN,
                 lambda: next(twentieths) / 20,
                 compression,
@@ -332,25 +363,26 @@ def test_whichever_write_fails_all_that_was_written_can_be_read(
         else:
             break
         left = 1000
-        if failure_left := list(folder.glob("*.active")):
-            reindex(failure_left[0])
-        read = [message.data for message in messages(folder / "a.bag")]
+        if failure_left := unfinished_of(folder / name):
+            reindex(failure_left)
+        read = [message.data for message in messages(folder / name)]
         assert read == [message.data for message in said[: len(read)]]
         assert len(read) >= kept
         kept = len(read)
     assert 5 < writes < 29
 
 
-def test_the_regular_sync_puts_every_message_on_the_disk(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", KINDS)
+def test_the_regular_sync_puts_every_message_on_the_disk(tmp_path: Path, name: str) -> None:
     seconds = iter(range(100))
-    writer = BagWriter(tmp_path / "a.bag", PLAIN, clock=lambda: float(next(seconds)), make_queue=inline)
+    writer = BagWriter(tmp_path / name, PLAIN, clock=lambda: float(next(seconds)), make_queue=inline)
     writer.write(text(0))
     writer.sync_if_due()
-    size = (tmp_path / "a.bag.active").stat().st_size
-    assert size > 4117 + 100
+    size = active_of(tmp_path / name).stat().st_size
+    assert size > 300
     writer.write(text(1))
     writer.close()
-    assert info(tmp_path / "a.bag").messages == 2
+    assert info(tmp_path / name).messages == 2
 
 
 def test_memory_does_not_keep_what_was_written(tmp_path: Path) -> None:
@@ -414,18 +446,19 @@ SPLITTINGS = [SplitLimits(size=40_000), SplitLimits(duration_ns=700_000_000), Sp
 
 
 @pytest.mark.parametrize("splitting", SPLITTINGS)
-@pytest.mark.parametrize("compression", Compression)
-def test_parts_read_as_one_are_the_whole(tmp_path: Path, splitting: SplitLimits, compression: Compression) -> None:
-    recorded(tmp_path / "whole.bag", 2, 200)
-    recorded(tmp_path / "a.bag", 2, 200, compression=compression, splitting=splitting)
-    parts = parts_of(tmp_path / "a.bag")
-    assert [path.name for path in parts] == [f"a_{number}.bag" for number in range(len(parts))]
-    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(["whole.bag", *(path.name for path in parts)])
+@pytest.mark.parametrize(("name", "compression"), FORMS)
+def test_parts_read_as_one_are_the_whole(
+    tmp_path: Path, splitting: SplitLimits, name: str, compression: Compression
+) -> None:
+    whole = tmp_path / f"whole{Path(name).suffix}"
+    recorded(whole, 2, 200)
+    recorded(tmp_path / name, 2, 200, compression=compression, splitting=splitting)
+    parts = parts_of(tmp_path / name)
+    assert [path.name for path in parts] == [f"a_{number}{Path(name).suffix or MCAP}" for number in range(len(parts))]
+    assert not list(tmp_path.rglob("*.active"))
     assert len(parts) > 1
-    assert list(messages(tmp_path / "a.bag")) == list(messages(tmp_path / "whole.bag"))
-    assert list(messages(tmp_path / "a.bag", {"/map", "/tf"})) == list(
-        messages(tmp_path / "whole.bag", {"/map", "/tf"})
-    )
+    assert list(messages(tmp_path / name)) == list(messages(whole))
+    assert list(messages(tmp_path / name, {"/map", "/tf"})) == list(messages(whole, {"/map", "/tf"}))
 
 
 @pytest.mark.parametrize("splitting", SPLITTINGS)
@@ -459,13 +492,16 @@ def test_a_new_part_begins_at_multiples_of_the_duration(tmp_path: Path) -> None:
     assert starts == [1_000_000_000, 2_500_000_000, 4_000_000_000]
 
 
+@pytest.mark.parametrize("name", KINDS)
 @pytest.mark.parametrize("splitting", SPLITTINGS)
-def test_parts_do_not_depend_on_the_wall_clock(tmp_path: Path, splitting: SplitLimits) -> None:
+def test_parts_do_not_depend_on_the_wall_clock(tmp_path: Path, name: str, splitting: SplitLimits) -> None:
     slow = iter(float(second) for second in range(10_000))
     for folder, clock in (("slow", lambda: next(slow)), ("fast", lambda: 0.0)):
         (tmp_path / folder).mkdir()
-        recorded(tmp_path / folder / "a.bag", 2, 120, clock, Compression.LZ4, splitting)
-    fast, slowly = (sorted((tmp_path / folder).iterdir()) for folder in ("fast", "slow"))
+        recorded(tmp_path / folder / name, 2, 120, clock, Compression.LZ4, splitting)
+    fast, slowly = (
+        sorted(path for path in (tmp_path / folder).rglob("*") if path.is_file()) for folder in ("fast", "slow")
+    )
     assert [(path.name, path.read_bytes()) for path in fast] == [(path.name, path.read_bytes()) for path in slowly]
 
 
