@@ -17,7 +17,7 @@ from rosbags.typesys.msg import normalize_msgtype
 
 from thbridge.ros.messages import types as ros1_types
 from thbridge.ros2.hashes import FullDescription, describe, rihs01
-from thbridge.ros2.interface_texts import JAZZY_TEXTS, KILTED_TEXTS
+from thbridge.ros2.interface_texts import DEFAULTS, JAZZY_TEXTS, KILTED_TEXTS
 from thbridge.ros2.interfaces import MessageDefinition, messages_in, parsed
 from thbridge.ros2.message_copies import MessageCopy
 from thbridge.ros2.supports import ActionSupport, MessageSupport, ServiceSupport
@@ -150,7 +150,7 @@ class Distribution:
                 self._definitions[name] = parsed(name, self._texts[name])
             else:
                 constants, fields = self._store.fielddefs[name]
-                self._definitions[name] = MessageDefinition(list(constants), fields, {})
+                self._definitions[name] = MessageDefinition(list(constants), fields, DEFAULTS.get(name, {}))
         return self._definitions[name]
 
     def _register(self, name: str) -> None:
@@ -167,7 +167,7 @@ class Distribution:
 
     def _default(self, definition: MessageDefinition, field: str, kind: FieldDesc) -> object:
         if field in definition.defaults:
-            return definition.defaults[field]
+            return _as_field(kind, definition.defaults[field])
         if kind[0] == Nodetype.NAME:
             return self.make(kind[1])
         if kind[0] == Nodetype.BASE:

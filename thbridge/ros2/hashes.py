@@ -15,10 +15,12 @@ from thbridge.ros2.interfaces import MessageDefinition
 
 _TYPE_IDS = {
     "int8": 2, "uint8": 3, "int16": 4, "uint16": 5, "int32": 6, "uint32": 7, "int64": 8, "uint64": 9,
-    "float32": 10, "float64": 11, "char": 3, "bool": 15, "byte": 16, "string": 17,
+    "float32": 10, "float64": 11, "char": 3, "bool": 15, "byte": 16, "string": 17, "wstring": 18,
 }  # fmt: skip
 """Numbers of built-in types. rosidl reads `char` as uint8."""
-_NESTED_TYPE, _BOUNDED_STRING = 1, 21
+_NESTED_TYPE = 1
+_BOUND = 4
+"""Difference between the numbers of a string with a bound and a string."""
 _ARRAY, _BOUNDED_SEQUENCE, _SEQUENCE = 48, 96, 144
 """Offsets that are added to the number of the element's type."""
 
@@ -113,5 +115,5 @@ def _field_type(kind: FieldDesc) -> FieldTypeDescription:
         number, nested = _NESTED_TYPE, element[1]
     else:
         builtin, limit = element[1]
-        number = _BOUNDED_STRING if limit else _TYPE_IDS[builtin]
+        number = _TYPE_IDS[builtin] + (_BOUND if limit else 0)
     return {"type_id": offset + number, "capacity": capacity, "string_capacity": limit, "nested_type_name": nested}

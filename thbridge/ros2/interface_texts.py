@@ -1,4 +1,4 @@
-"""Definitions of ROS 2 types that the library rosbags lacks, or whose default values it omits, without comments.
+"""Definitions of ROS 2 types that the library rosbags lacks, without comments, and default values that it omits.
 
 Each text has the fields and constants of the .msg, .srv or .action file of the same name. Sources: ros2/rcl_interfaces,
 ros2/common_interfaces, ros-navigation/navigation2, mavlink/mavros, robot_localization.
@@ -13,21 +13,12 @@ Jazzy and Kilted have different definitions of these types:
 All other types are the same in both.
 """
 
+from collections.abc import Mapping
+
 from thbridge.ros.messages.definition_texts import ROS_TEXTS
 from thbridge.ros.messages.types import OWN_TEXTS
 
 _COMMON = {
-    "geometry_msgs/msg/Quaternion": "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1",
-    "rcl_interfaces/msg/ParameterDescriptor": """\
-string name
-uint8 type
-string description
-string additional_constraints
-bool read_only false
-bool dynamic_typing false
-FloatingPointRange[<=1] floating_point_range
-IntegerRange[<=1] integer_range
-""",
     "rcl_interfaces/srv/DescribeParameters": "string[] names\n---\nParameterDescriptor[] descriptors",
     "rcl_interfaces/srv/GetLoggerLevels": "string[] names\n---\nLoggerLevel[] levels",
     "rcl_interfaces/srv/GetParameterTypes": "string[] names\n---\nuint8[] types",
@@ -67,6 +58,7 @@ GoalInfo[] goals_canceling
     "Path plan",
     "nav_msgs/srv/SetMap": "OccupancyGrid map\ngeometry_msgs/PoseWithCovarianceStamped initial_pose\n---\nbool success",
     "robot_localization/srv/SetPose": "geometry_msgs/PoseWithCovarianceStamped pose\n---",
+    "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms",
     "nav2_msgs/msg/Particle": "geometry_msgs/Pose pose\nfloat64 weight",
     "nav2_msgs/msg/ParticleCloud": "std_msgs/Header header\nParticle[] particles",
     "nav2_msgs/msg/CostmapMetaData": """\
@@ -228,6 +220,13 @@ uint32 current_waypoint
 """,
 }
 
+DEFAULTS: Mapping[str, Mapping[str, bool | int | float]] = {
+    "geometry_msgs/msg/Quaternion": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
+    "rcl_interfaces/msg/ParameterDescriptor": {"read_only": False, "dynamic_typing": False},
+    "sensor_msgs/msg/NavSatStatus": {"status": -2},
+    "type_description_interfaces/msg/FieldType": {"type_id": 0},
+}
+"""Default values of fields of rosbags' types."""
 JAZZY_TEXTS = {**_COMMON, **_JAZZY}
 """Definitions of Jazzy, by name."""
 KILTED_TEXTS = {**_COMMON, **_KILTED}

@@ -15,10 +15,11 @@ from typing import TypeAlias, cast
 from rosbags.interfaces import Nodetype
 from rosbags.interfaces.typing import BaseDesc, Basename, FieldDesc, NameDesc
 
-DefaultValue: TypeAlias = bool | int | float | str
+ConstantValue: TypeAlias = bool | int | float | str
+DefaultValue: TypeAlias = ConstantValue | tuple[ConstantValue, ...]
 
 _NUMBERS = frozenset(f"{kind}{size}" for kind in ("int", "uint") for size in (8, 16, 32, 64)) | {"byte", "char"}
-_BUILTINS = _NUMBERS | {"bool", "float32", "float64", "string"}
+_BUILTINS = _NUMBERS | {"bool", "float32", "float64", "string", "wstring"}
 _FIELD = re.compile(
     r"(?P<kind>[A-Za-z]\w*(?:/\w+){0,2})(?:<=(?P<limit>\d+))?"
     r"(?P<array>\[(?P<bounded><=)?(?P<size>\d*)\])?\s+(?P<name>\w+)\s*(?P<equals>=?)\s*(?P<value>.*)"
@@ -37,7 +38,7 @@ class MessageDefinition:
         defaults: values of fields that are not zero by default, or whose default the definition gives.
     """
 
-    constants: list[tuple[str, str, DefaultValue]]
+    constants: list[tuple[str, str, ConstantValue]]
     fields: list[tuple[str, FieldDesc]]
     defaults: Mapping[str, DefaultValue]
 
@@ -96,7 +97,7 @@ def parsed(name: str, text: str) -> MessageDefinition:
         ValueError: a line is not a field or constant.
     """
     package = name.partition("/")[0]
-    constants: list[tuple[str, str, DefaultValue]] = []
+    constants: list[tuple[str, str, ConstantValue]] = []
     fields: list[tuple[str, FieldDesc]] = []
     defaults: dict[str, DefaultValue] = {}
     for line in text.splitlines():
@@ -111,7 +112,7 @@ def parsed(name: str, text: str) -> MessageDefinition:
 def _add(
     statement: str,
     package: str,
-    constants: list[tuple[str, str, DefaultValue]],
+    constants: list[tuple[str, str, ConstantValue]],
     fields: list[tuple[str, FieldDesc]],
     defaults: dict[str, DefaultValue],
 ) -> None:
@@ -126,7 +127,9 @@ def _add(
     element: BaseDesc | NameDesc
     if kind in _BUILTINS:
         element = (Nodetype.BASE, (cast("Basename", kind), int(match["limit"] or 0)))
-        if value:
+        if value.startswith("["):
+            defaults[name] = tuple(_value(kind, each.strip()) for each in value.strip("[]").split(","))
+        elif value:
             defaults[name] = _value(kind, value)
     else:
         element = (Nodetype.NAME, _qualified(kind, package))
@@ -148,10 +151,13 @@ def _qualified(kind: str, package: str) -> str:
     return kind
 
 
-def _value(kind: str, text: str) -> DefaultValue:
+def _value(kind: str, text: str) -> ConstantValue:
     """Return the value of a constant or default."""
     if kind == "bool":
         return text.lower() in ("true", "1")
     if kind in _NUMBERS:
         return int(text, 0)
-    return text.strip("\"'") if kind == "string" else float(text)
+    if kind.endswith("string"):
+        quote = text[:1]
+        return text[1:-1].replace(f"\\{quote}", quote) if quote in ('"', "'") else text
+    return float(text)

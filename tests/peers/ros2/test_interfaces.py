@@ -1,0 +1,70 @@
+"""Type descriptions and hashes are those that rosidl computed, for the types of rclpy's wheels and for our own."""
+
+import json
+
+import pytest
+
+from tests.support.project import ROOT
+from thbridge.ros2.distribution import Distribution
+from thbridge.ros2.hashes import describe, rihs01
+from thbridge.ros2.interfaces import messages_in, parsed
+
+ROS2 = ROOT / ".peers" / "ros2"
+SHARE = ROS2 / "share"
+KINDS = ("msg", "srv", "action")
+BUILT = ("thbridge_msgs", "nav2_msgs", "tf2_msgs")
+"""Packages without wheels, which scripts/peers/ros2_interfaces.py builds."""
+
+pytestmark = pytest.mark.skipif(
+    not (ROS2 / "installed").exists(), reason="not installed: ros2 (see scripts/install_peers.sh)"
+)
+
+
+def described(*packages: str) -> list[dict]:
+    """The descriptions that rosidl has written, of all packages or of these."""
+    files = sorted(file for kind in KINDS for file in SHARE.glob(f"*/{kind}/*.json"))
+    return [json.loads(file.read_text()) for file in files if not packages or file.parts[-3] in packages]
+
+
+def test_descriptions_of_all_shipped_definitions_are_those_of_rosidl() -> None:
+    texts: dict[str, str] = {}
+    for kind in KINDS:
+        for file in SHARE.glob(f"*/{kind}/*.{kind}"):
+            texts |= messages_in(f"{file.parts[-3]}/{kind}/{file.stem}", file.read_text())
+    compared, skipped = 0, set()
+    for theirs in described():
+        name = theirs["type_description_msg"]["type_description"]["type_name"]
+        if name not in texts:
+            skipped.add(name.partition("/")[0])
+            continue
+        ours = describe(name, lambda each: parsed(each, texts[each]))
+        assert ours == theirs["type_description_msg"]
+        assert {"type_name": name, "hash_string": rihs01(ours)} == theirs["type_hashes"][0]
+        compared += 1
+    # The files of the packages that we build are not installed, and some types of test_msgs are defined in IDL.
+    assert skipped <= {*BUILT, "test_msgs"}
+    assert compared > 150
+
+
+def test_hashes_of_all_types_of_kilted_are_those_of_the_wheels() -> None:
+    kilted = Distribution.of("kilted")
+    known = 0
+    for theirs in described():
+        name, described_hash = theirs["type_hashes"][0].values()
+        try:
+            ours = kilted.message(name).hash
+        except KeyError:
+            continue
+        assert ours == described_hash, name
+        assert kilted.description(name) == theirs["type_description_msg"], name
+        known += 1
+    assert known > 200
+
+
+@pytest.mark.skipif(not (ROS2 / "interfaces" / "made_from").exists(), reason="interfaces of ROS 2 were not built")
+@pytest.mark.parametrize("package", BUILT)
+def test_packages_without_wheels_have_the_hashes_that_rosidl_computed(package: str) -> None:
+    kilted = Distribution.of("kilted")
+    hashes = [tuple(theirs["type_hashes"][0].values()) for theirs in described(package)]
+    assert hashes
+    assert [(name, kilted.message(name).hash) for name, _ in hashes] == hashes
