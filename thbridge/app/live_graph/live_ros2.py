@@ -267,6 +267,7 @@ class _TopicWriter:
     def take(self, message: RosMessage) -> None:
         """Publish a message. Without subscriptions, keep it for the first one if the topic is latched."""
         if self.writer.readers:
+            self.publish_kept()
             self.writer.write(self._convert(message))
         elif self._latched:
             self._kept = [*self._kept, message][-self._depth :]
