@@ -11,6 +11,7 @@ import pytest
 from sim.common.observations import TICK
 from sim.world.sensors import mount_of
 from tests.support.programs.peer_programs import run_peer
+from tests.support.programs.ports import free_port
 from tests.support.programs.processes import Program, until
 from tests.support.project import ROOT
 from thbridge.recording.bag.reading.reader import recorded
@@ -83,3 +84,49 @@ def test_rclpy_gets_what_the_bag_has(tmp_path: Path) -> None:
             assert [padded(each) for each in got] == whole[start : start + len(got)], topic.name
     assert counts["/robot1/odom"] > 100
     assert counts["/robot1/map"] == 1
+
+
+def test_clients_of_rclpy_command_the_robots_and_a_replay_repeats_it(tmp_path: Path) -> None:
+    session = Program(
+        tmp_path, "simr", "--server", f"127.0.0.1:{free_port()}", "--ros2", "--ros2-domain", DOMAIN, "--bag", "run.bag",
+        kilted_study(tmp_path),
+    )  # fmt: skip
+    try:
+        until("the session to join", lambda: "ROS 2:" in session.text, [session])
+        done = run_peer([PYTHON, FOLDER / "session_client.py"], env=environment(), timeout=240.0)
+        session.stop()
+    finally:
+        session.close()
+    assert done.returncode == 0, done.stderr + session.text
+    found = json.loads(done.stdout.splitlines()[-1])
+    reasons = found.pop("reasons")
+    assert found.pop("seconds") > 1.0
+    assert found == {
+        "reached": [True, 0],
+        "feedback": [True, True, True],
+        "replaced": True,
+        "canceling": 1,
+        "canceled": True,
+        "impossible": [True, found["impossible"][1], True],
+        "tour": [True, 0],
+        "described": [True, True],
+        "set": [True, False, False],
+        "value": 321,
+        "map": 320,
+        "state": "active",
+        "Twist": True,
+        "TwistStamped": True,
+    }
+    assert found["impossible"][1] > 0
+    assert reasons[0] == ""
+    assert "laser_model_type" in reasons[1] or "likelihood_field" in reasons[1]
+    replayed = Program(tmp_path, "replay", "run.bag")
+    assert replayed.process.wait(120) == 0, replayed.text
+    assert "the same, bit for bit" in replayed.text
+    replayed.close()
+
+
+def kilted_study(folder: Path) -> str:
+    """Write a study for this distribution, and return its name."""
+    (folder / "study.yaml").write_text("ros2: {distribution: kilted}\n")
+    return "study.yaml"
