@@ -111,9 +111,9 @@ class LiveNodeParameters:
         before = self._software[robot]
         if now is before or now == before:
             return
+        values = [(node, self.present(node)) for node in self._of_robots[robot]]
         self._software[robot] = now
-        for node in self._of_robots[robot]:
-            old = self.present(node)
+        for node, old in values:
             self._present[node] = new = node.reported(now)
             changed = [(name, value) for name, value in new.items() if value != old[name]]
             if changed:
