@@ -6,19 +6,8 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Protocol, cast
 
-import numpy as np
-
 from sim.common.robot_numbers import robot_name
-from sim.inputs import (
-    TEAM_INPUTS,
-    CancelGoal,
-    DriveManually,
-    PlaceRobot,
-    SendGoal,
-    SetCharge,
-    SetPoseEstimate,
-    TeamInput,
-)
+from sim.inputs import TeamInput
 from sim.parameters import RobotParameters, WorldParameters
 from sim.team import TeamSnapshot
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
@@ -26,11 +15,10 @@ from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types
 from thbridge.ros.messages.cursor import Cursor
-from thbridge.ros.messages.stamps import tick_of
 from thbridge.ros.reconfigure import DescribedParameter
-from thbridge.ros.remote.changes import RobotPart, SettledState, sentence_of_change
 from thbridge.ros.remote.clock import RosClock
 from thbridge.ros.remote.robot import RemoteRobot, missing_of
+from thbridge.ros.remote.team import RemoteTeam
 from thbridge.ros.topics import RosMessage
 from thbridge.rosgraph.sockets.fleet_parameters import FleetParameters
 from thbridge.rosgraph.sockets.joining import GraphAddress
@@ -44,9 +32,6 @@ CALLER = "/thbridge_fleet"
 """Name of the node. A simulated session on the same graph has another name."""
 TEAM_TOPICS = (names.TF, names.TF_STATIC, names.MAP, names.MAP_METADATA, names.ROSOUT, names.DIAGNOSTICS)
 """Recorded topics that do not belong to a single robot."""
-PLACEMENT_TOLERANCE = 0.5
-"""A robot has to be moved if its distance from its start pose is above this, meters."""
-
 _log = logging.getLogger(__name__)
 
 
@@ -82,10 +67,10 @@ class Fleet:
         self._node = RosNode(
             CALLER, graph.master_uri, graph.host, on_shutdown=self._asked_to_leave, admission=graph.admission
         )
-        self._robots = tuple(robots)
+        self._team = RemoteTeam(robots, wall)
+        self._robots = self._team.robots
         self._recorder = recorder
         self._wall = wall
-        self._clock: RosClock | None = None
         self._definitions = Definitions(ROS_SHARES)
         self._publications: dict[str, Publication] = {
             topic.name: self._advertise(topic.name, topic.msgtype)
@@ -97,12 +82,6 @@ class Fleet:
         self._headers: dict[tuple[str, str], links.TopicHeader] = {}
         self._joining: asyncio.Task[None] | None = None
         self._complaints = WarnOnce(_log)
-        self._last: TeamSnapshot | None = None
-        self._silent: tuple[SettledState[frozenset[RobotPart]], ...] = tuple(
-            SettledState(frozenset()) for _ in self._robots
-        )
-        self._resent = [0] * len(self._robots)
-        self._clock_stands = SettledState(False)
 
     async def start(self) -> NodeStarted | CannotListen:
         """Join the graph. Master and robots may appear later."""
@@ -116,18 +95,16 @@ class Fleet:
         if self._joining is not None:
             self._joining.cancel()
             await asyncio.wait([self._joining])
-        if self._clock is not None and self._clock.runs:
-            now_ns = self._clock.now(self._wall())
-            for robot in self._robots:
-                robot.stop(now_ns)
-                self._speak(robot)
+        self._team.stop()
+        for robot in self._robots:
+            self._speak(robot)
         await self._node.stop()
 
     def missing(self) -> list[str]:
         """Return the reasons why the robots cannot be commanded yet. Each reason is one sentence."""
-        if self._clock is None:
+        if self._team.clock is None:
             return [f"there is no ROS master at {self._node.master_uri} yet"]
-        if not self._clock.runs:
+        if not self._team.clock.runs:
             return [f"{names.USE_SIM_TIME} is set, but there is no time on {names.CLOCK} yet"]
         return missing_of(self._robots) or list(self._not_subscribed())
 
@@ -144,32 +121,15 @@ class Fleet:
     @property
     def joined(self) -> bool:
         """True after a master was found. If it is lost later, the node itself reports this."""
-        return self._clock is not None
+        return self._team.clock is not None
 
     def tell_changes(self) -> None:
-        """Log impossible odometry. Also log parts of robots that became silent or active at least a second ago."""
-        if self._clock is None or not self._clock.runs:
-            return
-        wall_ns = self._wall()
-        now_ns = self._clock.now(wall_ns)
-        if self._clock_stands.take(self._clock.stands(wall_ns), wall_ns):
-            stands = self._clock_stands.settled
-            news = "no messages; time continues with this machine's clock" if stands else "messages arrive again"
-            _log.warning("%s: %s", names.CLOCK, news)
-        for robot, remote in enumerate(self._robots):
-            state = self._silent[robot]
-            before = state.settled
-            if state.take(remote.silent_parts(now_ns), now_ns):
-                _log.warning("%s", sentence_of_change(robot_name(robot), remote.names, before, state.settled))
-            for notice in remote.take_notices():
-                _log.warning("%s: %s", robot_name(robot), notice)
-            if remote.resent_goals != self._resent[robot]:
-                self._resent[robot] = remote.resent_goals
-                _log.warning("%s: its navigation did not report its goal, so the goal is sent again", robot_name(robot))
+        """Log changes of the robots; see `RemoteTeam`."""
+        self._team.tell_changes()
 
     def now(self) -> int | None:
         """Return the ROS time in nanoseconds, or None while it is unknown."""
-        return None if self._clock is None or not self._clock.runs else self._clock.now(self._wall())
+        return self._team.now()
 
     @property
     def size(self) -> int:
@@ -196,41 +156,19 @@ class Fleet:
         if now_ns is None:
             raise ValueError("the time is not known yet")
         for item in inputs:
-            self._take(item, now_ns)
-        outputs = [robot.step(now_ns) for robot in self._robots]
-        self.tell_changes()
+            self._team.take(item, now_ns)
+        snapshot = self._team.snapshot(now_ns)
         for robot in self._robots:
             self._speak(robot)
         if (config := self._parameters.take_unrecorded()) is not None:
             self._recorder.sent(RosMessage(self._parameters.topic, now_ns, config))
-        known = tuple(output for output in outputs if output is not None)
-        if len(known) < len(outputs):
+        if snapshot is None:
             raise ValueError(f"not all robots are ready yet: {'; '.join(self.missing())}")
-        commands = [output.navigation.command for output in known]
-        velocities = np.array([(command.linear, command.angular) for command in commands])
-        self._last = TeamSnapshot(tick_of(now_ns), None, known, velocities)
-        return self._last
+        return snapshot
 
     def _correct_odometry(self, seconds: float) -> None:
         for robot in self._robots:
             robot.stamp_odometry_later(round(seconds * 1e9))
-
-    def _take(self, item: TeamInput, now_ns: int) -> None:
-        match item:
-            case SendGoal(robot) | CancelGoal(robot) | DriveManually(robot) | SetPoseEstimate(robot):
-                self._robots[robot].take(item, now_ns)
-            case SetCharge():
-                pass  # The keeper counts the game's energy. A real battery cannot be set.
-            case PlaceRobot(robot, pose):
-                if (
-                    self._last is None
-                    or self._last.robots[robot].estimate.base_in_map.distance(pose) > PLACEMENT_TOLERANCE
-                ):
-                    where = robot_name(robot), pose.x, pose.y
-                    _log.warning("%s is not at its start pose: please move it to (%.2f, %.2f)", *where)
-            case _:
-                name = next(name for name, input_class in TEAM_INPUTS.items() if input_class is type(item))
-                self._complaints.warn(f"real robots do not support {name}")
 
     # The graph
 
@@ -240,7 +178,7 @@ class Fleet:
         # As for all ROS nodes, this parameter selects between the wall clock and the topic /clock.
         simulated = await self._node.get_param(names.USE_SIM_TIME) is True
         clock = RosClock(simulated)
-        self._clock = clock
+        self._team.clock = clock
         if simulated:
             self._follow_time(clock)
             while not clock.runs:
@@ -276,9 +214,10 @@ class Fleet:
 
         def on_message(data: bytes, publisher: str) -> None:
             # Messages of this program are recorded when they are sent.
-            if publisher == CALLER or self._clock is None:
+            clock = self._team.clock
+            if publisher == CALLER or clock is None:
                 return
-            now_ns = self._clock.now(self._wall())
+            now_ns = clock.now(self._wall())
             header = self._headers[topic, publisher]
             self._recorder.received(header, publisher, now_ns, data)
             for robot, md5 in wanted.items():
