@@ -12,7 +12,6 @@ from thbridge.files.yaml.load import Loaded
 from thbridge.files.yaml.tree import quoted
 from thbridge.study.built_in import study_at
 from thbridge.study.overrides import StudyChange, with_changes
-from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import Study
 from thbridge.study.text import as_yaml, resolved
 
@@ -61,7 +60,7 @@ class HuntStudy:
         return made
 
     def _read(self, study: Study, beside: Path, written: Loaded[Study] | None) -> None:
-        if study.robots_from is RobotsFrom.ROS:
+        if study.robots_from.is_real:
             problem = "this study is for real robots, but `HuntStudy` is for simulated robots"
             raise HuntError(f"robots_from: {problem}. Write sim, or run `thbridge simr`.", key="robots_from")
         self._beside = beside

@@ -18,7 +18,6 @@ from thbridge.files.yaml.merge import nested, over
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, at_line, parse
 from thbridge.study.factors import Level, check_keys_set_once, entries_of, factorial, levels_of, spread, written
 from thbridge.study.overrides import merged, resolved_tree
-from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import Study, load_study
 
 AN_HOUR = 3600.0
@@ -266,7 +265,7 @@ def _condition(
 
 def _playable(setting: StudySetting, loaded: Loaded[Study]) -> None:
     """Raise BadFile if a sweep cannot simulate the study."""
-    if setting.study.robots_from is RobotsFrom.ROS:
+    if setting.study.robots_from.is_real:
         raise loaded.fault("robots_from", "a sweep supports only simulated robots", "Write sim")
 
 

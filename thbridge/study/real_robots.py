@@ -2,8 +2,9 @@
 
 import dataclasses
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple, TypeVar, cast
 
 from sim.common.robot_numbers import RobotNumber, robot_numbers
@@ -12,8 +13,10 @@ from sim.parameters.declaration import live
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
 from thbridge.ros.names import frame_name
-from thbridge.ros.remote.names import RemoteNames
+from thbridge.ros.remote.names import Nav2Names, RemoteNames
+from thbridge.ros2graph.values.address import RosDistribution
 from thbridge.rosgraph.values.names import canonical, join
+from thbridge.study.robots_from import RobotsFrom
 
 S = TypeVar("S")
 
@@ -25,6 +28,26 @@ _NAME = re.compile(r"/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*/?")
 _FRAME = re.compile(r"\S+")
 _OWN = ("odom_frame", "odom", "scan", "amcl_pose", "battery", "cmd_vel", "initialpose", "move_base", "plan")
 """Fields with names that must be unique in a team."""
+
+
+@dataclass(frozen=True, slots=True)
+class Nav2FleetNames:
+    """Names of a Nav2 robot that differ from those of ROS 1."""
+
+    action: str = param("navigate_to_pose", "action server of Nav2's navigation, nav2_msgs/NavigateToPose")
+    plan: str = param("plan", "topic of the robot's global plan, nav_msgs/Path; optional")
+    battery: str = param("battery_state", "topic of the robot's battery, sensor_msgs/BatteryState; optional")
+    tf: str = param("tf", "topic of the robot's transforms; /tf if all robots share it")
+    tf_static: str = param("tf_static", "topic of the robot's fixed transforms")
+    stamped_cmd_vel: bool | None = param(
+        None,
+        "whether the robot's base receives geometry_msgs/TwistStamped; if null, as Nav2's default in the distribution: "
+        "false in Jazzy, true in Kilted",
+    )
+    recorded: tuple[str, ...] = param(
+        ("particle_cloud", "local_plan", "local_costmap/costmap", "local_costmap/published_footprint"),
+        "further topics; they are only recorded in the bag, if ROS 1 has their types",
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,14 +75,36 @@ class FleetNames:
         ),
         "further topics of any type; they are only recorded in the bag",
     )
+    nav2: Nav2FleetNames = param(
+        Nav2FleetNames(), "with robots_from: ros2, these names replace move_base, plan, battery and recorded"
+    )
+
+    def _topic(self, name: str, number: RobotNumber) -> str:
+        space = self._for_robot("namespace", number)
+        return canonical("/" + join(space, name.replace(NUMBER, str(number))))
+
+    def nav2_names(self, number: RobotNumber, distribution: RosDistribution) -> tuple[RemoteNames, Nav2Names]:
+        """Return the names of the Nav2 robot with this number."""
+        topic, own = partial(self._topic, number=number), self.nav2
+        stamped = own.stamped_cmd_vel
+        nav2 = Nav2Names(
+            action=topic(own.action),
+            tf=topic(own.tf),
+            tf_static=topic(own.tf_static),
+            is_twist_stamped=distribution is not RosDistribution.JAZZY if stamped is None else stamped,
+        )
+        remote = dataclasses.replace(
+            self.names(number),
+            move_base=f"{nav2.action}/_action",
+            plan=topic(own.plan),
+            battery=topic(own.battery),
+            recorded=tuple(topic(name) for name in own.recorded),
+        )
+        return remote, nav2
 
     def names(self, number: RobotNumber) -> RemoteNames:
         """Return the names of the robot with this number."""
-        space = self._for_robot("namespace", number)
-
-        def topic(name: str) -> str:
-            return canonical("/" + join(space, name.replace(NUMBER, str(number))))
-
+        topic = partial(self._topic, number=number)
         return RemoteNames(
             map_frame=frame_name(self._for_robot("map_frame", number)),
             odom_frame=frame_name(self._for_robot("odom_frame", number)),
@@ -80,15 +125,16 @@ class FleetNames:
 
     def faults(self, number: int) -> Iterator[tuple[str, str]]:
         """Yield the field and problem of each invalid name."""
-        for field in dataclasses.fields(self):
-            value = cast("str | tuple[str, ...]", getattr(self, field.name))
-            for text in (value,) if isinstance(value, str) else value:
+        values = [(field.name, getattr(self, field.name)) for field in dataclasses.fields(self)]
+        values += [(f"nav2.{each.name}", getattr(self.nav2, each.name)) for each in dataclasses.fields(self.nav2)]
+        for field, value in values:
+            for text in (value,) if isinstance(value, str) else value if isinstance(value, tuple) else ():
                 plain = text.replace(NUMBER, str(number))
-                if field.name == "namespace" and not plain.strip("/"):
+                if field == "namespace" and not plain.strip("/"):
                     continue  # A robot that is alone on its ROS graph needs no namespace.
-                if not (_FRAME if field.name in _FRAMES else _NAME).fullmatch(plain):
-                    what = "frame" if field.name in _FRAMES else "topic"
-                    yield field.name, f"{text!r} is not a valid name of a {what}"
+                if not (_FRAME if field in _FRAMES else _NAME).fullmatch(plain):
+                    what = "frame" if field in _FRAMES else "topic"
+                    yield field, f"{text!r} is not a valid name of a {what}"
 
 
 class NameClash(NamedTuple):
@@ -124,20 +170,38 @@ class FleetSection:
         """Return the names of each robot in a team of this size."""
         return [self.each.get(number, self.robot).names(number) for number in robot_numbers(robots)]
 
-    def clash(self, robots: int) -> NameClash | None:
+    def nav2_names(self, robots: int, distribution: RosDistribution) -> list[tuple[RemoteNames, Nav2Names]]:
+        """Return the names of each Nav2 robot in a team of this size."""
+        return [self.each.get(number, self.robot).nav2_names(number, distribution) for number in robot_numbers(robots)]
+
+    def clash(self, robots: int, source: RobotsFrom = RobotsFrom.ROS) -> NameClash | None:
         """Return the first name that is used twice in a team of this size, or None."""
-        taken: dict[str, tuple[int, str]] = {}
-        for number, own in zip(robot_numbers(robots), self.names(robots), strict=True):
-            for field in _OWN:
-                name = cast(str, getattr(own, field))
-                first, other = taken.setdefault(name, (number, field))
-                if (first, other) != (number, field):
-                    problem = f"{name} is both {other} of robot {first} and {field} of robot {number}"
-                    return NameClash(number, field, problem)
-        return None
+        if source is not RobotsFrom.ROS2:
+            return _clash(self.names(robots))
+        # Robots with separate topics of transforms may have frames of the same name.
+        return _clash(
+            [
+                dataclasses.replace(remote, odom_frame=f"{remote.odom_frame} on {nav2.tf}")
+                for remote, nav2 in self.nav2_names(robots, RosDistribution.JAZZY)
+            ]
+        )
 
 
-def faults_of_fleet(loaded: Loaded[S], fleet: FleetSection, robots: int) -> Iterator[BadFile]:
+def _clash(names: Sequence[RemoteNames]) -> NameClash | None:
+    taken: dict[str, tuple[int, str]] = {}
+    for number, own in zip(robot_numbers(len(names)), names, strict=True):
+        for field in _OWN:
+            name = cast(str, getattr(own, field))
+            first, other = taken.setdefault(name, (number, field))
+            if (first, other) != (number, field):
+                problem = f"{name} is both {other} of robot {first} and {field} of robot {number}"
+                return NameClash(number, field, problem)
+    return None
+
+
+def faults_of_fleet(
+    loaded: Loaded[S], fleet: FleetSection, robots: int, source: RobotsFrom = RobotsFrom.ROS
+) -> Iterator[BadFile]:
     """Yield faults: names that are invalid in ROS, and names that are used twice."""
     sound = True
     for key, named, number in (
@@ -151,7 +215,7 @@ def faults_of_fleet(loaded: Loaded[S], fleet: FleetSection, robots: int) -> Iter
             )
     if not sound:
         return
-    clash = fleet.clash(robots)
+    clash = fleet.clash(robots, source)
     if clash is not None:
         key = f"fleet.each.{clash.robot}" if clash.robot in fleet.each else "fleet.robot"
         remedy = f"Write a different name for each; {NUMBER} is replaced by the robot's number"

@@ -8,3 +8,9 @@ class RobotsFrom(StrEnum):
 
     SIM = "sim"
     ROS = "ros"
+    ROS2 = "ros2"
+
+    @property
+    def is_real(self) -> bool:
+        """True for real robots."""
+        return self is not RobotsFrom.SIM

@@ -335,7 +335,9 @@ class Study:
     templates: str = param("original-2016", "name of a template set, or path of its folder")
     robots: int = param(2, "number of robots in the team", "", 1, MOST_ROBOTS)
     robots_from: RobotsFrom = param(
-        RobotsFrom.SIM, "source of the robots: sim: simulated robots; ros: real robots on a ROS graph (section fleet)"
+        RobotsFrom.SIM,
+        "source of the robots: sim: simulated robots; ros: real robots on a ROS 1 graph (section fleet); ros2: real "
+        "robots of Nav2 on a ROS 2 graph (sections fleet and ros2)",
     )
     external_nodes: ExternalNodes = param(
         ExternalNodes.NONE,
@@ -566,7 +568,7 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
         if parse_network(text) is None:
             remedy = "Write an address with a prefix length, such as 10.0.0.0/24; 0.0.0.0/0 means all machines"
             yield loaded.fault(f"open_to[{index}]", f"{text!r} is not a network", remedy)
-    yield from faults_of_fleet(loaded, study.fleet, study.robots)
+    yield from faults_of_fleet(loaded, study.fleet, study.robots, study.robots_from)
     yield from faults_of_mavlink(loaded, study.mavlink, study.robots)
     yield from faults_of_ros2(loaded, study.ros2)
     yield from faults_of_things(loaded, study.things)

@@ -10,7 +10,6 @@ import typer
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.external_nodes import ExternalNodes
-from thbridge.study.robots_from import RobotsFrom
 from ui.command_line.option_sets import with_option_sets
 from ui.command_line.options import (
     PERSON,
@@ -167,7 +166,7 @@ def play(
     study = with_language(with_open_to(study, open_to), language, study_file)
     if participant != PERSON:
         study = with_strategy(study, participant)
-    if study.robots_from is RobotsFrom.ROS:
+    if study.robots_from.is_real:
         problem = "robots_from: this study is for real robots, but `play` simulates them"
         fail(
             BAD_INPUT,

@@ -46,7 +46,6 @@ from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.topics import P_WRONG, MessageFilter, RosMessage
 from thbridge.ros2.recorded_types import RecordedType, recorded_type
 from thbridge.study.overrides import StudyChange, with_changes
-from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import Study, load_study_tree, read_study_text
 from thbridge.text_protocol.wire import legacy
 from thbridge.timing.loop import run_ticks
@@ -154,7 +153,7 @@ def session_of(path: Path) -> SessionRecord:
     if record.program not in {PLAY, SIMR}:
         problem = f"there is no program with the recorded name {record.program!r}"
         raise BadFile(path, problem, "name another recording", key=names.SESSION)
-    if read_study_text(path, record.study).robots_from is RobotsFrom.ROS:
+    if read_study_text(path, record.study).robots_from.is_real:
         problem = "its robots were real, and cannot be run again"
         remedy = "view the recording with `thbridge report` or `thbridge bag plot`"
         raise BadFile(path, problem, remedy, key=names.SESSION)

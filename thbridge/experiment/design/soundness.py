@@ -18,7 +18,6 @@ from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.yaml.load import Loaded
 from thbridge.study.external_nodes import ExternalNodes
-from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import check_manners
 
 GATHERING = {StepKind.PRACTICE, StepKind.CHECK, StepKind.TRIAL, StepKind.FORM}
@@ -125,7 +124,7 @@ def _of_games(design: ExperimentDesign) -> Iterator[BadFile]:
     for study in chain.from_iterable((*(cell.studies for cell in design.cells), *practices)):
         with faults.kept():
             check_manners(Loaded(design.path, study, design.lines), "base.")
-        if study.robots_from is RobotsFrom.ROS:
+        if study.robots_from.is_real:
             faults.found.append(
                 design.fault("base.robots_from", "the kiosk supports only simulated robots", "Write sim")
             )

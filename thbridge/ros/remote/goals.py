@@ -8,6 +8,7 @@ does not list is sent a second time, because the server may have been restarted.
 cancelled until the server ends them. These include goals of an earlier run.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -34,6 +35,23 @@ _REASONS: tuple[tuple[str, NoPathReason], ...] = (
     ("oscillating", "stuck"),
 )
 """Reasons for failures, by words in the texts of move_base's results."""
+NAV2_ERROR = "Nav2 error"
+"""Words before the error code of Nav2 in the text of a result."""
+_OF_NAV2: dict[int, NoPathReason] = {
+    102: "lost",
+    104: "robots_in_the_way",
+    105: "stuck",
+    106: "blocked_by_obstacle",
+    202: "lost",
+    203: "start_outside",
+    204: "goal_outside",
+    205: "start_occupied",
+    206: "goal_occupied",
+    208: "no_way",
+    9002: "lost",
+}
+"""Reasons for error codes of nav2_msgs: those of FollowPath from 100, of ComputePathToPose from 200, of NavigateToPose
+from 9000."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -266,5 +284,11 @@ class MoveBaseClient:
 
 
 def reason_of(text: str) -> NoPathReason:
-    """Return the reason why move_base aborted a goal, from the text of its result. Other servers have other texts."""
+    """Return the reason why move_base or Nav2 aborted a goal, from the text of its result.
+
+    Other servers have other texts.
+    """
+    error = re.search(rf"{NAV2_ERROR} (\d{{1,5}})\b", text)
+    if error is not None:
+        return _OF_NAV2.get(int(error[1]), "gave_up")
     return next((reason for words, reason in _REASONS if words in text.lower()), "gave_up")

@@ -38,3 +38,20 @@ class RemoteNames:
     def action(self, part: str) -> str:
         """Return the topic of a part of the robot's action: goal, cancel, status, feedback or result."""
         return f"{self.move_base}/{part}"
+
+
+@dataclass(frozen=True, slots=True)
+class Nav2Names:
+    """Names of one robot that ROS 1 does not have.
+
+    Attributes:
+        action: name of its action navigate_to_pose.
+        tf: topic of its transforms.
+        tf_static: topic of its fixed transforms.
+        is_twist_stamped: True if its base receives geometry_msgs/TwistStamped.
+    """
+
+    action: str
+    tf: str
+    tf_static: str
+    is_twist_stamped: bool
