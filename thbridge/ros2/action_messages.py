@@ -1,5 +1,7 @@
-"""Messages that all actions have in common: ids, times, goal lists."""
+"""Messages that all actions have in common: ids, times, poses, goal lists."""
 
+from sim.common.geometry import Pose2
+from sim.numerics import elementary
 from thbridge.ros2.actions import ActionGoalState, ActionGoalStatus, GoalInfo
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.message_fields import GoalInfoFields, GoalStatusArrayFields, TimeFields
@@ -15,6 +17,21 @@ def time_of(distribution: Distribution, ns: int) -> object:
 def duration_of(distribution: Distribution, ns: int) -> object:
     """Return a builtin_interfaces/Duration."""
     return distribution.make("builtin_interfaces/msg/Duration", sec=ns // _SECOND, nanosec=ns % _SECOND)
+
+
+def pose_stamped_of(distribution: Distribution, frame: str, now_ns: int, pose: Pose2) -> object:
+    """Return a geometry_msgs/PoseStamped."""
+    make = distribution.make
+    cosine, sine = elementary.cos_sin(0.5 * pose.theta)
+    return make(
+        "geometry_msgs/msg/PoseStamped",
+        header=make("std_msgs/msg/Header", stamp=time_of(distribution, now_ns), frame_id=frame),
+        pose=make(
+            "geometry_msgs/msg/Pose",
+            position=make("geometry_msgs/msg/Point", x=pose.x, y=pose.y, z=0.0),
+            orientation=make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=sine, w=cosine),
+        ),
+    )
 
 
 def nanoseconds(time: TimeFields) -> int:

@@ -15,7 +15,6 @@ from typing import TypeAlias, cast
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
-from sim.numerics import elementary
 from sim.robot.navigator.goals import NoPath, NoPathReason
 from sim.robot.navigator.navigation import Navigation
 from thbridge.ros.actionlib import REPLACED
@@ -26,7 +25,7 @@ from thbridge.ros.messages.records import CancelRequest, GoalRequest
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import MAP_FRAME, RobotNames
 from thbridge.ros.topics import RosMessage
-from thbridge.ros2.action_messages import duration_of, time_of
+from thbridge.ros2.action_messages import duration_of, pose_stamped_of
 from thbridge.ros2.actions import ActionGoals, ActionGoalState, CancelAnswer
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.message_fields import NavigationGoalFields, StampedPoseFields
@@ -165,7 +164,7 @@ class NavigateToPoseServer:
         make = self._distribution.make
         feedback = make(
             f"{NAVIGATE_TO_POSE}_Feedback",
-            current_pose=stamped_pose(self._distribution, self._now, pose),
+            current_pose=pose_stamped_of(self._distribution, MAP_FRAME, self._now, pose),
             navigation_time=duration_of(self._distribution, self._now - since),
             estimated_time_remaining=duration_of(self._distribution, round(estimate * 1e9)),
             number_of_recoveries=self._recoveries,
@@ -219,22 +218,3 @@ def planar_pose_of(message: StampedPoseFields) -> Pose2 | InvalidMessage:
     position, turn = message.pose.position, message.pose.orientation
     numbers = position.x, position.y, position.z, turn.x, turn.y, turn.z, turn.w
     return planar_pose(message.header.frame_id, *numbers)
-
-
-def stamped_pose(distribution: Distribution, now_ns: int, pose: Pose2) -> object:
-    """Return a geometry_msgs/PoseStamped in the map frame."""
-    make = distribution.make
-    c, s = elementary.cos_sin(0.5 * pose.theta)
-    return make(
-        "geometry_msgs/msg/PoseStamped",
-        header=make(
-            "std_msgs/msg/Header",
-            stamp=time_of(distribution, now_ns),
-            frame_id=MAP_FRAME,
-        ),
-        pose=make(
-            "geometry_msgs/msg/Pose",
-            position=make("geometry_msgs/msg/Point", x=pose.x, y=pose.y, z=0.0),
-            orientation=make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=s, w=c),
-        ),
-    )

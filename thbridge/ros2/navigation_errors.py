@@ -1,4 +1,4 @@
-"""Error codes of Nav2's results, for our reasons why a robot did not reach a goal; and the reasons for Nav2's codes.
+"""Error codes of Nav2's results, for our reasons why a robot did not reach a goal.
 
 Source: nav2_msgs of Jazzy and Kilted (ComputePathToPose, FollowPath, NavigateToPose, FollowWaypoints);
 nav2_behavior_tree, bt_action_server_impl.hpp: the result has the smallest code that a planner or controller reported.
@@ -76,9 +76,3 @@ def navigation_error(distribution: str, reason: NoPathReason | NavigationError) 
 def waypoint_error(distribution: str, code: WaypointError) -> WaypointError:
     """Return a code of Kilted in a distribution. Jazzy has no codes for missing and missed waypoints."""
     return WaypointError.NONE if distribution == "jazzy" and code > WaypointError.UNKNOWN else code
-
-
-def reason_of_error(code: int) -> NoPathReason:
-    """Return the reason why a Nav2 robot aborted a goal, from the code of its result."""
-    of_code = {error: reason for reason, error in _OF_REASON.items()} | {NavigationError.PLANNER_TF_ERROR: "lost"}
-    return next((reason for error, reason in of_code.items() if error == code), "gave_up")

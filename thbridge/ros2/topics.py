@@ -110,7 +110,7 @@ class SessionTopics:
         if within is not None:
             yield self._target_of_robot(topic, *within)
             return
-        kind = _type_of(topic.msgtype)
+        kind = type_of_ros1(topic.msgtype)
         convert = self._converter(topic.msgtype, kind)
         qos = {names.TF: TF, names.ROSOUT: ROSOUT}.get(topic.name, LATCHED if topic.latched else DEFAULT)
         yield Ros2Topic(topic.name, kind, qos), convert
@@ -143,8 +143,8 @@ class SessionTopics:
         if word == "cmd_vel" and self._distribution.name != "jazzy":
             # Since Kilted, Nav2's velocity commands have a time stamp.
             convert = self._distribution.from_ros1("geometry_msgs/TwistStamped", TWIST_STAMPED)
-            return TWIST_STAMPED, partial(_stamped_twist, convert)
-        kind = _type_of(topic.msgtype)
+            return TWIST_STAMPED, partial(stamped_twist, convert)
+        kind = type_of_ros1(topic.msgtype)
         return kind, self._converter(topic.msgtype, kind)
 
     def _converter(self, ros1_type: str, kind: str) -> Convert:
@@ -152,7 +152,7 @@ class SessionTopics:
         return lambda message: convert(message.data)
 
 
-def _type_of(ros1_type: str) -> str:
+def type_of_ros1(ros1_type: str) -> str:
     """Return the type of ROS 2 for a type of ROS 1."""
     if ros1_type == types.LOG:
         return "rcl_interfaces/msg/Log"
@@ -170,7 +170,8 @@ def _transforms_of(convert: Convert, prefix: str, message: RosMessage) -> bytes:
     return convert(message._replace(data=pack.stamped_transforms(pieces)))
 
 
-def _stamped_twist(convert: Callable[[bytes], bytes], message: RosMessage) -> bytes:
+def stamped_twist(convert: Callable[[bytes], bytes], message: RosMessage) -> bytes:
+    """Return a velocity command with its time stamp; `convert` makes CDR of geometry_msgs/TwistStamped."""
     seconds, nanoseconds = divmod(message.stamp_ns, 1_000_000_000)
     header = UINT32.pack(0) + UINT32.pack(seconds) + UINT32.pack(nanoseconds) + UINT32.pack(0)
     return convert(header + message.data)

@@ -1,0 +1,300 @@
+"""A fleet of Nav2 robots on a graph in memory. Each robot is the action server of our own sessions, with topics."""
+
+import asyncio
+import logging
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sim.common.geometry import Pose2
+from sim.common.observations import STANDSTILL, Twist
+from sim.inputs import CancelGoal, DriveManually, KidnapRobot, PlaceRobot, SendGoal, SetPoseEstimate
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
+from sim.team import TeamSnapshot
+from tests.support.ros2.driven_robot import DrivenRobot
+from tests.support.ros2.loopback import LoopbackGraph
+from thbridge.ros.messages import pack, types, unpack
+from thbridge.ros.messages.pack import Transform
+from thbridge.ros.remote.robot import RemoteRobot
+from thbridge.ros.topics import RosMessage, Topic
+from thbridge.ros2.distribution import Distribution
+from thbridge.ros2.nav2_goals import Nav2Goals
+from thbridge.ros2.navigate_to_pose import NAVIGATE_TO_POSE
+from thbridge.ros2.qos import DEFAULT, LATCHED, SENSOR_DATA, TF, QosProfile
+from thbridge.ros2.topics import type_of_ros1
+from thbridge.ros2graph.sockets.action_server import GraphActionServer
+from thbridge.ros2graph.sockets.nav2_fleet import Nav2Fleet, Nav2Robot
+from thbridge.ros2graph.values.address import RosDistribution
+from thbridge.ros2graph.values.graph import NodeName
+from thbridge.study.real_robots import FleetNames
+
+SECOND = 1_000_000_000
+START = 1_700_000_000 * SECOND
+FOOTPRINT = np.array([[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]])
+GOAL = Goal(5, Pose2(2.0, 0.0, 0.0))
+NAMES = FleetNames(odom_frame="odom", base_frame="base_link")
+
+
+class Notes:
+    """Recorder that keeps all messages."""
+
+    def __init__(self) -> None:
+        self.came: list[tuple[Topic, str, bytes]] = []
+        self.went: list[RosMessage] = []
+
+    def received(self, topic: Topic, publisher: str, stamp_ns: int, data: bytes) -> None:
+        self.came.append((topic, publisher, data))
+
+    def sent(self, message: RosMessage) -> None:
+        self.went.append(message)
+
+
+class Lab:
+    """A fleet of one robot, and the robot."""
+
+    def __init__(self, name: str = "kilted", *, simulated: bool = False) -> None:
+        self.graph = LoopbackGraph()
+        self.kind = Distribution.of(name)
+        self.now = START
+        self.recorder = Notes()
+        remote, self.named = NAMES.nav2_names(1, RosDistribution(name))
+        self.remote = RemoteRobot(0, remote, "/thbridge_fleet", FOOTPRINT)
+        robot = Nav2Robot(self.remote, self.named, Nav2Goals(remote, "/thbridge_fleet-robot1-"))
+        self.fleet = Nav2Fleet(
+            self.graph.program(),
+            self.kind,
+            [robot],
+            self.recorder,
+            is_time_simulated=simulated,
+            wall=lambda: self.now,
+        )
+        self.x = 0.0
+        self.mute: set[str] = set()
+        self.heard: dict[str, list[bytes]] = {"cmd_vel": [], "initialpose": []}
+        self.start_robot()
+
+    def start_robot(self) -> None:
+        self.robot = DrivenRobot(self.kind)
+        self.program = program = self.graph.program()
+        node = NodeName("/robot1", "bt_navigator")
+        logic = self.robot.actions.navigate_to_pose[0]
+        self.server = GraphActionServer(program, node, "/robot1/navigate_to_pose", self.kind, NAVIGATE_TO_POSE, logic)
+        self.writers = {
+            topic: self.publish(topic, kind, qos)
+            for topic, kind, qos in (
+                ("/robot1/odom", types.ODOMETRY, SENSOR_DATA),
+                ("/robot1/amcl_pose", types.POSE_WITH_COVARIANCE, LATCHED),
+                ("/robot1/tf", types.TFMESSAGE, TF),
+                ("/robot1/local_plan", types.PATH, DEFAULT),
+                ("/map", types.STRING, LATCHED),
+            )
+        }
+        for topic, heard in self.heard.items():
+            kind = "geometry_msgs/msg/PoseWithCovarianceStamped"
+            if topic == "cmd_vel":
+                kind = "geometry_msgs/msg/Twist" + ("Stamped" if self.named.is_twist_stamped else "")
+            support = self.kind.message(kind)
+            program.subscribe(
+                node,
+                f"/robot1/{topic}",
+                support,
+                DEFAULT,
+                lambda data, _, heard=heard: heard.append(data),
+            )
+
+    def publish(self, topic: str, kind: str, qos: QosProfile) -> Callable[[bytes], None]:
+        to_cdr = self.kind.from_ros1(kind, type_of_ros1(kind))
+        support = self.kind.message(type_of_ros1(kind))
+        writer = self.program.publish(NodeName("/robot1", "driver"), topic, support, qos)
+        return lambda data: writer.write(to_cdr(data))
+
+    def say(self) -> None:
+        """Let the robot publish its topics."""
+        tick = self.robot.tick
+        here = Pose2(self.x, 0.0, 0.0)
+        for topic, data in (
+            ("/robot1/odom", pack.odometry(tick, "odom", "base_link", here, STANDSTILL)),
+            ("/robot1/amcl_pose", pack.pose_with_covariance(tick, "map", here, np.eye(3))),
+            ("/robot1/tf", pack.transforms(tick, [Transform("map", "odom", Pose2(0.0, 0.0, 0.0))])),
+        ):
+            if topic not in self.mute:
+                self.writers[topic](data)
+
+    def step(self, *inputs: Any, seconds: float = 0.02) -> TeamSnapshot:
+        """Run ticks, the inputs in the first tick."""
+        for number in range(round(seconds * 50)):
+            self.now += SECOND // 50
+            if "robot" not in self.mute:
+                self.robot.step()
+                self.server.publish()
+                self.say()
+            self.graph.deliver()
+            snapshot = self.fleet.step(inputs if number == 0 else ())
+            self.graph.deliver()
+        return snapshot
+
+    def look(self) -> None:
+        """Run a tick before the robots are ready."""
+        self.now += SECOND // 50
+        self.robot.step()
+        self.server.publish()
+        self.say()
+        self.graph.deliver()
+        self.fleet.tell_changes()
+
+
+@pytest.fixture(params=["jazzy", "kilted"])
+def lab(request: pytest.FixtureRequest) -> Lab:
+    made = Lab(request.param)
+    made.look()
+    return made
+
+
+def test_what_is_missing_is_reported_with_its_topics() -> None:
+    lab = Lab()
+    lab.mute = {"/robot1/odom", "/robot1/tf", "/robot1/amcl_pose"}
+    (sentence,) = lab.fleet.missing()
+    for name in ("/robot1/odom", "/robot1/amcl_pose", "/robot1/navigate_to_pose/_action/status"):
+        assert name in sentence
+    with pytest.raises(ValueError, match="not all robots are ready"):
+        lab.fleet.step()
+    lab.mute.clear()
+    lab.look()
+    assert lab.fleet.missing() == []
+
+
+def test_a_goal_is_reached(lab: Lab) -> None:
+    snapshot = lab.step(SendGoal(0, GOAL), seconds=0.2)
+    assert snapshot.robots[0].navigation.goal == GOAL
+    assert lab.robot.goal is not None
+    assert (lab.robot.goal.base_in_map.x, lab.robot.goal.base_in_map.y) == (2.0, 0.0)
+    assert snapshot.robots[0].navigation.state == "controlling"
+    lab.robot.arrive()
+    results = [lab.step().robots[0].navigation.result for _ in range(3)]
+    assert [result for result in results if result is not None] == [GoalReached(GOAL)]
+
+
+def test_a_failure_has_its_reason(lab: Lab) -> None:
+    lab.step(SendGoal(0, GOAL), seconds=0.2)
+    lab.robot.fail("no_way", "there is no path")
+    results = [lab.step().robots[0].navigation.result for _ in range(3)]
+    assert [result for result in results if result is not None] == [
+        NoPath(GOAL, "no_way", "there is no path (Nav2 error 208)")
+    ]
+
+
+def test_cancel_stops_the_robot(lab: Lab) -> None:
+    lab.step(SendGoal(0, GOAL), seconds=0.2)
+    lab.step(CancelGoal(0))
+    results = [lab.step().robots[0].navigation.result for _ in range(3)]
+    assert [result for result in results if result is not None] == [Cancelled(GOAL)]
+    assert lab.robot.goal is None
+
+
+def test_at_the_end_the_robot_stops(lab: Lab) -> None:
+    lab.step(SendGoal(0, GOAL), seconds=0.2)
+
+    async def stop() -> None:
+        stopping = asyncio.create_task(lab.fleet.stop())
+        while not stopping.done():
+            lab.graph.deliver()
+            await asyncio.sleep(0)
+
+    asyncio.run(stop())
+    lab.robot.step()
+    assert lab.robot.goal is None
+
+
+def test_another_goal_comes_first(lab: Lab) -> None:
+    lab.step(SendGoal(0, GOAL), seconds=0.2)
+    lab.robot.drive(Goal(1, Pose2(9.0, 9.0, 0.0)))
+    results = [lab.step().robots[0].navigation.result for _ in range(60)]
+    assert [result for result in results if result is not None] == [Cancelled(GOAL)]
+
+
+def test_a_robot_that_restarts_gets_its_goal_again(lab: Lab, caplog: pytest.LogCaptureFixture) -> None:
+    lab.step(SendGoal(0, GOAL), seconds=0.2)
+    asyncio.run(lab.program.stop())
+    lab.mute = {"robot"}
+    lab.step(seconds=0.2)
+    lab.mute = set()
+    lab.start_robot()
+    lab.step(seconds=2.5)
+    assert lab.robot.goal is not None
+    assert "robot 1: its navigation did not report its goal, so the goal is sent again" in caplog.text
+
+
+def test_silence_is_reported_and_ends_the_goal(lab: Lab, caplog: pytest.LogCaptureFixture) -> None:
+    lab.step(SendGoal(0, GOAL), seconds=0.2)
+    lab.mute = {"robot"}
+    results = [lab.step().robots[0].navigation.result for _ in range(7 * 50)]
+    (result,) = [result for result in results if result is not None]
+    assert isinstance(result, NoPath)
+    assert result.reason == "unanswered"
+    assert "robot 1: it is silent: no more odometry" in caplog.text
+    lab.mute = set()
+    lab.step(seconds=1.5)
+    assert "its odometry is back" in caplog.text
+    assert lab.robot.goal is None, "the goal is canceled"
+
+
+def test_driving_by_hand_and_pose_estimates(lab: Lab) -> None:
+    lab.step(DriveManually(0, Twist(0.3, 0.1), 5), SetPoseEstimate(0, Pose2(1.0, 2.0, 0.0), np.eye(3)))
+    lab.step(seconds=0.2)
+    kind = "geometry_msgs/msg/TwistStamped" if lab.named.is_twist_stamped else "geometry_msgs/msg/Twist"
+    commands: list[Any] = [lab.kind.decode(kind, data) for data in lab.heard["cmd_vel"]]
+    speeds = [getattr(each, "twist", each).linear.x for each in commands]
+    assert (speeds[0], speeds[-1]) == (0.3, 0.0)
+    (estimate,) = lab.heard["initialpose"]
+    back = lab.kind.to_ros1("geometry_msgs/msg/PoseWithCovarianceStamped", types.POSE_WITH_COVARIANCE)
+    assert unpack.pose_with_covariance(back(estimate)).pose == Pose2(1.0, 2.0, 0.0)
+
+
+@pytest.mark.parametrize("name", ["jazzy", "kilted"])
+def test_all_messages_are_recorded(name: str, caplog: pytest.LogCaptureFixture) -> None:
+    lab = Lab(name)
+    lab.look()
+    lab.writers["/robot1/local_plan"](pack.path(0, "map", np.zeros((2, 3))))
+    lab.step(SendGoal(0, GOAL), seconds=1.2)
+    lab.writers["/robot1/local_plan"](pack.path(0, "map", np.zeros((2, 3))))
+    lab.robot.arrive()
+    lab.step(seconds=0.2)
+    came = {(topic.name, publisher) for topic, publisher, _ in lab.recorder.came}
+    assert came >= {(name, "/robot1/driver") for name in ("/robot1/odom", "/robot1/tf", "/robot1/local_plan")}
+    odometry = [data for topic, _, data in lab.recorder.came if topic.name == "/robot1/odom"]
+    assert unpack.odometry(odometry[0]).pose == Pose2(0.0, 0.0, 0.0)
+    went = [message.topic.name for message in lab.recorder.went]
+    action = "/robot1/navigate_to_pose"
+    assert {*went} == {f"{action}/goal", f"{action}/status", f"{action}/result"}
+    (end,) = [message for message in lab.recorder.went if message.topic.name == f"{action}/result"]
+    assert unpack.move_base_result(end.data).status == 3
+    assert "/map: /robot1/driver publishes std_msgs/msg/String, but nav_msgs/msg/Occ" in caplog.text
+
+
+def test_odometry_that_jumps_is_reported(lab: Lab, caplog: pytest.LogCaptureFixture) -> None:
+    lab.step(seconds=0.2)
+    lab.x = 30.0
+    lab.step(seconds=0.1)
+    assert "robot 1:" in caplog.text
+
+
+def test_time_comes_from_the_clock_if_requested() -> None:
+    lab = Lab(simulated=True)
+    lab.look()
+    assert lab.fleet.missing() == ["use_sim_time is set, but there is no time on /clock yet"]
+    clock = lab.publish("/clock", types.CLOCK, DEFAULT)
+    clock(pack.clock(100))
+    lab.look()
+    assert lab.fleet.missing() == []
+    assert lab.fleet.step().tick == 100
+
+
+def test_what_only_a_simulation_can_do_is_refused(lab: Lab, caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.WARNING):
+        lab.step(KidnapRobot(0, Pose2(0.0, 0.0, 0.0)), PlaceRobot(0, Pose2(9.0, 9.0, 0.0)))
+    assert "real robots do not support Carry" in caplog.text
+    assert "robot 1 is not at its start pose: please move it to (9.00, 9.00)" in caplog.text
+    assert math.isnan(lab.step().robots[0].observations.battery.charge)

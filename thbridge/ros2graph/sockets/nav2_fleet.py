@@ -1,0 +1,371 @@
+"""Fleet of real Nav2 robots on a ROS 2 graph, which is used as a team. It adds a graph to `thbridge.ros.remote`."""
+
+import asyncio
+import logging
+import struct
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Protocol
+
+from sim.inputs import TeamInput
+from sim.parameters import RobotParameters, WorldParameters
+from sim.team import TeamSnapshot
+from thbridge.ros import names
+from thbridge.ros.clients import InvalidMessage
+from thbridge.ros.messages import types
+from thbridge.ros.messages.cursor import Cursor
+from thbridge.ros.remote.clock import RosClock
+from thbridge.ros.remote.names import Nav2Names
+from thbridge.ros.remote.robot import RemoteRobot, missing_of
+from thbridge.ros.remote.team import RemoteTeam
+from thbridge.ros.topics import RosMessage, Topic
+from thbridge.ros2.action_messages import pose_stamped_of
+from thbridge.ros2.actions import CancelAnswer, GoalInfo
+from thbridge.ros2.distribution import Distribution
+from thbridge.ros2.nav2_goals import Nav2Cancel, Nav2Goal, Nav2Goals
+from thbridge.ros2.navigate_to_pose import NAVIGATE_TO_POSE
+from thbridge.ros2.qos import DEFAULT, LATCHED, TF, QosProfile, Reliability
+from thbridge.ros2.topics import TWIST, TWIST_STAMPED, stamped_twist, type_of_ros1
+from thbridge.ros2graph.sockets.action_client import GraphActionClient
+from thbridge.ros2graph.sockets.carrier import GraphCarrier, GraphWriter
+from thbridge.ros2graph.values.graph import EndpointRole, NodeName
+from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.warn_once import WarnOnce
+
+NODE = NodeName("/", "thbridge_fleet")
+TEAM_TOPICS = {names.MAP: types.OCCUPANCY_GRID, names.ROSOUT: types.LOG, names.DIAGNOSTICS: types.DIAGNOSTIC_ARRAY}
+"""Recorded topics that do not belong to a single robot, with their types in ROS 1."""
+LOOK_TICKS = 50
+"""Ticks between two looks at the types of the graph's publishers."""
+STOP_SECONDS = 1.0
+"""Maximum time for which the program waits for the answers to its last cancel requests."""
+
+_STREAM = QosProfile(10, Reliability.BEST_EFFORT)
+"""Publishers with any quality of service satisfy this."""
+_LOG_LEVELS = {10: 1, 20: 2, 30: 4, 40: 8, 50: 16}
+"""Severities of rcl_interfaces/Log, and those of rosgraph_msgs/Log."""
+_TIME = struct.Struct("<iI")
+
+_log = logging.getLogger(__name__)
+
+
+class Nav2Recorder(Protocol):
+    """Recorder of messages from and to the robots, in the form of ROS 1. It must not raise exceptions."""
+
+    def received(self, topic: Topic, publisher: str, stamp_ns: int, data: bytes) -> None:
+        """Record a received message at this ROS time. `publisher` is the name of its node."""
+
+    def sent(self, message: RosMessage) -> None:
+        """Record a message sent to a robot."""
+
+
+@dataclass(slots=True, eq=False)
+class Nav2Robot:
+    """Real robot with its names on the graph.
+
+    Attributes:
+        remote: its state and messages. Its action server has the name `ACTION/_action`.
+        named: further names.
+        goals: its action, in the form of ROS 1.
+    """
+
+    remote: RemoteRobot
+    named: Nav2Names
+    goals: Nav2Goals
+
+
+@dataclass(slots=True, eq=False)
+class _Subscription:
+    """Subscribed topic.
+
+    Attributes:
+        topic: its name on the graph, and its type in ROS 1.
+        kind: its type.
+        receivers: robots that read it, each with the name of the topic in ROS 1.
+    """
+
+    topic: Topic
+    kind: str
+    receivers: list[tuple[RemoteRobot, str]] = field(default_factory=list)
+
+
+class Nav2Fleet:
+    """Team of real robots. It implements `thbridge.roles.simr.team.RobotTeam`.
+
+    Args:
+        carrier: connection to their graph, before it is started.
+        distribution: message types of the graph.
+        robots: the robots.
+        recorder: recorder of all messages.
+        is_time_simulated: True if time comes from /clock (ROS: use_sim_time).
+        wall: returns the time of the wall clock, nanoseconds.
+    """
+
+    def __init__(
+        self,
+        carrier: GraphCarrier,
+        distribution: Distribution,
+        robots: Sequence[Nav2Robot],
+        recorder: Nav2Recorder,
+        *,
+        is_time_simulated: bool = False,
+        wall: Callable[[], int] = time.time_ns,
+    ) -> None:
+        self._carrier = carrier
+        self._distribution = distribution
+        self._robots = tuple(robots)
+        self._recorder = recorder
+        self._wall = wall
+        self._team = RemoteTeam([robot.remote for robot in robots], wall)
+        self._complaints = WarnOnce(_log)
+        self._ticks = 0
+        self._waiting_cancels = 0
+        clock = RosClock(is_time_simulated)
+        self._team.clock = clock
+        carrier.add_node(NODE)
+        if is_time_simulated:
+            support = distribution.message("rosgraph_msgs/msg/Clock")
+            carrier.subscribe(NODE, names.CLOCK, support, _STREAM, partial(self._receive_clock, clock))
+        self._clients = [self._client(robot) for robot in self._robots]
+        self._writers = {topic: writer for robot in self._robots for topic, writer in self._writers_of(robot)}
+        self._subscribed: dict[str, _Subscription] = {}
+        for robot in self._robots:
+            for name, kind in robot.remote.subscriptions.items():
+                self._add_receiver(robot, name, kind)
+        for name, kind in TEAM_TOPICS.items():
+            self._subscribed.setdefault(name, _Subscription(Topic(name, kind), type_of_ros1(kind)))
+        for subscription in self._subscribed.values():
+            self._subscribe(subscription)
+        self._unknown = {name for robot in self._robots for name in robot.remote.names.recorded} - {*self._subscribed}
+
+    async def start(self) -> CannotListen | None:
+        """Join the graph. Robots may appear later."""
+        return await self._carrier.start()
+
+    async def stop(self) -> None:
+        """Stop the robots, and leave the graph."""
+        self._team.stop()
+        now_ns = self.now()
+        for index in range(len(self._robots)):
+            self._speak(index, now_ns or 0)
+        for _ in range(round(STOP_SECONDS / 0.02)):
+            if not self._waiting_cancels:
+                break
+            await asyncio.sleep(0.02)
+        await self._carrier.stop()
+
+    def missing(self) -> list[str]:
+        """Return the reasons why the robots cannot be commanded yet. Each reason is one sentence."""
+        if self.now() is None:
+            return [f"use_sim_time is set, but there is no time on {names.CLOCK} yet"]
+        return missing_of(self._team.robots)
+
+    def tell_changes(self) -> None:
+        """Process the state of the graph, and log changes of the robots; see `RemoteTeam`."""
+        now_ns = self.now()
+        if self._ticks % LOOK_TICKS == 0:
+            self._look_at_publishers()
+        self._ticks += 1
+        if now_ns is not None:
+            self._follow_actions(now_ns)
+        self._team.tell_changes()
+
+    def now(self) -> int | None:
+        """Return the ROS time in nanoseconds, or None while it is unknown."""
+        return self._team.now()
+
+    @property
+    def size(self) -> int:
+        """Number of robots."""
+        return len(self._robots)
+
+    @property
+    def parameters(self) -> tuple[RobotParameters, ...]:
+        """Empty, because real robots run their own software."""
+        return ()
+
+    @property
+    def worlds(self) -> tuple[WorldParameters, ...]:
+        """Empty, because the real world has no parameters."""
+        return ()
+
+    def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
+        """Carry out the inputs and return the current state of the robots. The tick is computed from ROS time.
+
+        Raises:
+            ValueError: the robots cannot be commanded yet. See `missing`.
+        """
+        now_ns = self.now()
+        if now_ns is None:
+            raise ValueError("the time is not known yet")
+        self.tell_changes()
+        for item in inputs:
+            self._team.take(item, now_ns)
+        snapshot = self._team.snapshot(now_ns)
+        for index in range(len(self._robots)):
+            self._speak(index, now_ns)
+        if snapshot is None:
+            raise ValueError(f"not all robots are ready yet: {'; '.join(self.missing())}")
+        return snapshot
+
+    def stamp_odometry_later(self, seconds: float) -> None:
+        """Add a time to the time stamps of all robots' odometry."""
+        for robot in self._team.robots:
+            robot.stamp_odometry_later(round(seconds * 1e9))
+
+    # Actions
+
+    def _client(self, robot: Nav2Robot) -> GraphActionClient:
+        goals = robot.goals
+        return GraphActionClient(
+            self._carrier,
+            NODE,
+            robot.named.action,
+            self._distribution,
+            NAVIGATE_TO_POSE,
+            lambda goal_id, _: goals.receive_feedback(goal_id, self.now() or 0),
+            lambda statuses: goals.receive_statuses(statuses, self.now() or 0),
+        )
+
+    def _follow_actions(self, now_ns: int) -> None:
+        """Hand over the messages of the robots' actions."""
+        for robot, client in zip(self._robots, self._clients, strict=True):
+            for part, data in robot.goals.step(now_ns, has_server=client.has_server):
+                name = robot.remote.names.action(part)
+                robot.remote.receive(name, data, now_ns)
+                kind = robot.remote.subscriptions[name]
+                self._recorder.sent(RosMessage(Topic(_recorded_name(name), kind), now_ns, data))
+
+    def _speak(self, index: int, now_ns: int) -> None:
+        robot, client = self._robots[index], self._clients[index]
+        messages, robot.remote.outgoing = robot.remote.outgoing, []
+        for message in messages:
+            match robot.goals.request_of(message):
+                case Nav2Goal(goal_id, base_in_map):
+                    pose = pose_stamped_of(self._distribution, robot.remote.names.map_frame, now_ns, base_in_map)
+                    goal = self._distribution.make(f"{NAVIGATE_TO_POSE}_Goal", pose=pose)
+                    client.send_goal(goal_id, goal, partial(self._answered, robot, client, goal_id))
+                case Nav2Cancel(goal_id):
+                    self._waiting_cancels += 1
+                    client.cancel(GoalInfo(goal_id, 0), self._canceled)
+                case None:
+                    writer, convert = self._writers[message.topic.name]
+                    writer.write(convert(message))
+            topic = message.topic._replace(name=_recorded_name(message.topic.name))
+            self._recorder.sent(message._replace(topic=topic))
+
+    def _answered(self, robot: Nav2Robot, client: GraphActionClient, goal_id: bytes, accepted_ns: int | None) -> None:
+        robot.goals.receive_answer(goal_id, accepted=accepted_ns is not None)
+        if accepted_ns is not None:
+            client.get_result(goal_id, lambda result: robot.goals.receive_result(goal_id, result, self.now() or 0))
+
+    def _canceled(self, answer: CancelAnswer) -> None:
+        self._waiting_cancels -= 1
+
+    # Topics
+
+    def _writers_of(self, robot: Nav2Robot) -> Iterator[tuple[str, tuple[GraphWriter, Callable[[RosMessage], bytes]]]]:
+        named = robot.remote.names
+        publish, types_of = self._carrier.publish, self._distribution
+        estimate = type_of_ros1(types.POSE_WITH_COVARIANCE)
+        plain = types_of.from_ros1(types.POSE_WITH_COVARIANCE, estimate)
+        yield (
+            named.initialpose,
+            (
+                publish(NODE, named.initialpose, types_of.message(estimate), DEFAULT),
+                lambda message: plain(message.data),
+            ),
+        )
+        if robot.named.is_twist_stamped:
+            stamped = types_of.from_ros1("geometry_msgs/TwistStamped", TWIST_STAMPED)
+            convert = partial(stamped_twist, stamped)
+            yield named.cmd_vel, (publish(NODE, named.cmd_vel, types_of.message(TWIST_STAMPED), DEFAULT), convert)
+        else:
+            twist = types_of.from_ros1(types.TWIST, TWIST)
+            writer = publish(NODE, named.cmd_vel, types_of.message(TWIST), DEFAULT)
+            yield named.cmd_vel, (writer, lambda message: twist(message.data))
+
+    def _add_receiver(self, robot: Nav2Robot, name: str, ros1_type: str) -> None:
+        remote, named = robot.remote, robot.named
+        if name.startswith(f"{named.action}/_action/"):
+            return  # These messages are made from the action.
+        on_graph = {names.TF: named.tf, names.TF_STATIC: named.tf_static}.get(name, name)
+        topic = Topic(on_graph, ros1_type, latched=name == names.TF_STATIC)
+        kind = type_of_ros1(ros1_type)
+        if name == remote.names.cmd_vel and named.is_twist_stamped:
+            kind = TWIST_STAMPED
+        subscription = self._subscribed.setdefault(on_graph, _Subscription(topic, kind))
+        subscription.receivers.append((remote, name))
+
+    def _subscribe(self, subscription: _Subscription) -> None:
+        name, ros1_type, _ = subscription.topic
+        of_ros1 = "geometry_msgs/TwistStamped" if subscription.kind == TWIST_STAMPED else ros1_type
+        convert = self._distribution.to_ros1(subscription.kind, of_ros1)
+
+        def on_message(data: bytes, gid: bytes) -> None:
+            now_ns = self.now()
+            if now_ns is None:
+                return
+            publisher = self._carrier.node_of(gid)
+            try:
+                message = convert(data)
+                if subscription.kind == TWIST_STAMPED:
+                    message = Cursor.behind_header(message).remaining()
+                elif ros1_type == types.LOG:
+                    message = _with_level_of_ros1(message)
+            except ValueError as error:
+                self._complaints.warn(f"{name}: a message of {publisher} is ignored: {error}")
+                return
+            self._recorder.received(subscription.topic, publisher, now_ns, message)
+            for remote, topic in subscription.receivers:
+                if isinstance(refused := remote.receive(topic, message, now_ns), InvalidMessage):
+                    self._complaints.warn(f"{name}: a message of {publisher} is ignored: {refused.sentence}")
+
+        qos = {types.TFMESSAGE: TF, types.OCCUPANCY_GRID: LATCHED}.get(ros1_type, _STREAM)
+        if subscription.topic.latched:
+            qos = LATCHED
+        support = self._distribution.message(subscription.kind)
+        self._carrier.subscribe(NODE, name, support, qos, on_message)
+
+    def _look_at_publishers(self) -> None:
+        """Subscribe to topics that are only recorded, and report publishers of other types than expected."""
+        for endpoint in self._carrier.endpoints():
+            if endpoint.role is not EndpointRole.PUBLISHER:
+                continue
+            known = self._subscribed.get(endpoint.name)
+            if known is not None and known.kind != endpoint.type:
+                who = "a node" if endpoint.node is None else endpoint.node.whole
+                self._complaints.warn(
+                    f"{endpoint.name}: {who} publishes {endpoint.type}, but {known.kind} was expected"
+                )
+            elif endpoint.name in self._unknown:
+                self._unknown.discard(endpoint.name)
+                package, _, word = endpoint.type.split("/")
+                subscription = _Subscription(Topic(endpoint.name, f"{package}/{word}"), endpoint.type)
+                try:
+                    self._subscribe(subscription)
+                except KeyError:
+                    self._complaints.warn(f"{endpoint.name} is not recorded, because ROS 1 has no {endpoint.type}")
+                else:
+                    self._subscribed[endpoint.name] = subscription
+
+    def _receive_clock(self, clock: RosClock, data: bytes, gid: bytes) -> None:
+        if len(data) != 4 + _TIME.size or data[1] != 1:
+            self._complaints.warn(f"{names.CLOCK}: a message of {self._carrier.node_of(gid)} is ignored")
+            return
+        seconds, nanoseconds = _TIME.unpack_from(data, 4)
+        clock.receive(seconds * 1_000_000_000 + nanoseconds, self._wall())
+
+
+def _recorded_name(topic: str) -> str:
+    """Return the name under which a message of an action is recorded. ROS 2 itself uses names with "_action"."""
+    return topic.replace("/_action/", "/")
+
+
+def _with_level_of_ros1(log: bytes) -> bytes:
+    """Return a rosgraph_msgs/Log with the severity of ROS 1 in the place of that of ROS 2."""
+    rest = Cursor.behind_header(log).remaining()
+    at = len(log) - len(rest)
+    return log[:at] + bytes([_LOG_LEVELS.get(log[at], 2)]) + log[at + 1 :]
