@@ -8,7 +8,7 @@ from thbridge.ros2.qos import Durability, QosProfile
 from thbridge.ros2.supports import MessageSupport, ServiceSupport
 from thbridge.ros2graph.sockets.carrier import GraphClient, GraphWriter, OnMessage, OnRequest
 from thbridge.ros2graph.values.graph import EndpointRole, GraphEndpoint, NodeName
-from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.errors import CannotListen, CannotReach
 
 
 @dataclass(eq=False)
@@ -101,7 +101,7 @@ class LoopbackCarrier:
         self._graph = graph
         self._nodes: list[NodeName] = []
 
-    async def start(self) -> CannotListen | None:
+    async def start(self) -> CannotListen | CannotReach | None:
         return None
 
     async def stop(self) -> None:

@@ -31,7 +31,7 @@ from thbridge.ros2.topics import TWIST, TWIST_STAMPED, stamped_twist, type_of_ro
 from thbridge.ros2graph.sockets.action_client import GraphActionClient
 from thbridge.ros2graph.sockets.carrier import GraphCarrier, GraphWriter
 from thbridge.ros2graph.values.graph import EndpointRole, NodeName
-from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.sockets.warn_once import WarnOnce
 
 NODE = NodeName("/", "thbridge_fleet")
@@ -140,7 +140,7 @@ class Nav2Fleet:
             self._subscribe(subscription)
         self._unknown = {name for robot in self._robots for name in robot.remote.names.recorded} - {*self._subscribed}
 
-    async def start(self) -> CannotListen | None:
+    async def start(self) -> CannotListen | CannotReach | None:
         """Join the graph. Robots may appear later."""
         return await self._carrier.start()
 
