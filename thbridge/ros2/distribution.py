@@ -77,11 +77,11 @@ class Distribution:
 
     def description(self, name: str) -> FullDescription:
         """Return the description of a message, service or action type."""
-        return describe(name, self._definition)
+        return describe(name, self.definition)
 
     def constant(self, name: str, constant: str) -> bool | int | float | str:
         """Return the value of a constant of a message type."""
-        return next(value for each, _, value in self._definition(name).constants if each == constant)
+        return next(value for each, _, value in self.definition(name).constants if each == constant)
 
     def make(self, name: str, /, **fields: object) -> object:
         """Return a message. Fields that are not given have their default values.
@@ -89,7 +89,7 @@ class Distribution:
         Numbers of a sequence may be given as any sequence of numbers, or as bytes.
         """
         self._register(name)
-        definition = self._definition(name)
+        definition = self.definition(name)
         values = [
             _as_field(kind, fields.pop(field)) if field in fields else self._default(definition, field, kind)
             for field, kind in definition.fields
@@ -144,7 +144,8 @@ class Distribution:
             self._hashes[name] = rihs01(self.description(name))
         return self._hashes[name]
 
-    def _definition(self, name: str) -> MessageDefinition:
+    def definition(self, name: str) -> MessageDefinition:
+        """Return the fields, constants and default values of a message, service or action type."""
         if name not in self._definitions:
             if name in self._texts:
                 self._definitions[name] = parsed(name, self._texts[name])
@@ -161,7 +162,7 @@ class Distribution:
         within = [each["type_name"] for each in description["referenced_type_descriptions"]]
         missing = [each for each in (name, *within) if each not in self._store.fielddefs]
         if missing:
-            definitions = {each: self._definition(each) for each in missing}
+            definitions = {each: self.definition(each) for each in missing}
             self._store.register({each: (d.constants, d.fields) for each, d in definitions.items()})  # type: ignore[misc]
         self._registered.update((name, *within))
 
@@ -181,7 +182,7 @@ class Distribution:
 
 def _as_field(kind: FieldDesc, value: object) -> object:
     """Return the value of a field. Numbers of a sequence become an array."""
-    if kind[0] in (Nodetype.BASE, Nodetype.NAME) or isinstance(value, np.ndarray):
+    if kind[0] in (Nodetype.BASE, Nodetype.NAME):
         return value
     element, _ = kind[1]
     if element[0] == Nodetype.NAME or element[1][0] == "string":
