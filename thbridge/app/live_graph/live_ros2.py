@@ -8,12 +8,15 @@ from collections.abc import AsyncIterator, Callable, Iterator, Sequence
 from contextlib import asynccontextmanager
 from functools import partial
 
+from sim.common.geometry import Pose2
+from sim.numerics.float_array import FloatArray
+from sim.robot.global_planning.path import PlanRefusal
 from sim.robot.navigator.navigation import Navigation
 from sim.team import Team
 from thbridge.app.live_graph.client_messages import ClientRequests
 from thbridge.app.live_graph.live import TeamDescription
 from thbridge.app.live_graph.live_node_parameters import LiveNodeParameters
-from thbridge.app.live_graph.live_node_services import LiveNodeServices
+from thbridge.app.live_graph.live_node_services import LiveNodeServices, offer_logger_levels
 from thbridge.app.session.mavros import frame_in
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.roles.shared.robot_requests import Request
@@ -23,6 +26,7 @@ from thbridge.ros.messages.cursor import Cursor
 from thbridge.ros.names import CALLER, RobotNames
 from thbridge.ros.publisher import clock_message
 from thbridge.ros.topics import RosMessage, VehicleTopics
+from thbridge.ros2.compute_path_to_pose import COMPUTE_PATH_TO_POSE, ComputePathServer, MakePlan
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.follow_waypoints import FOLLOW_WAYPOINTS, FollowWaypointsServer
 from thbridge.ros2.navigate_to_pose import NAVIGATE_TO_POSE, NavigateToPoseServer
@@ -86,6 +90,7 @@ class LiveRos2Graph:
         for node in self._nodes.values():
             carrier.add_node(node)
         self._services = LiveNodeServices(services, distribution, self._parameters.nodes, *shared)
+        offer_logger_levels(services, distribution, self._nodes[CALLER])
         self._topics = [
             topic
             for name, targets in SessionTopics(distribution, description.topics, team.size).targets.items()
@@ -95,7 +100,7 @@ class LiveRos2Graph:
         for topic in self._topics:
             self._by_topic.setdefault(topic.session_topic, []).append(topic)
         self._actions = [
-            _RobotActions(carrier, distribution, robot, requests)
+            _RobotActions(carrier, distribution, robot, requests, partial(_make_plan, team, robot))
             for robot in range(team.size)
             if not self._external.move_base
         ]
@@ -287,10 +292,18 @@ class _RobotActions:
         topics: topics of the session whose messages `follow` needs.
     """
 
-    def __init__(self, carrier: GraphCarrier, distribution: Distribution, robot: int, requests: ClientRequests) -> None:
+    def __init__(
+        self,
+        carrier: GraphCarrier,
+        distribution: Distribution,
+        robot: int,
+        requests: ClientRequests,
+        make_plan: MakePlan,
+    ) -> None:
         named = RobotNames.of(robot)
         self._navigate = NavigateToPoseServer(robot, distribution, requests.messages.numbers, requests.ask)
         self._waypoints = FollowWaypointsServer(distribution, self._navigate)
+        self._paths = ComputePathServer(distribution, make_plan)
         self.topics = self._navigate.topics
         self._servers = [
             GraphActionServer(
@@ -305,6 +318,7 @@ class _RobotActions:
             for node, name, action, logic in (
                 ("bt_navigator", "navigate_to_pose", NAVIGATE_TO_POSE, self._navigate),
                 ("waypoint_follower", "follow_waypoints", FOLLOW_WAYPOINTS, self._waypoints),
+                ("planner_server", "compute_path_to_pose", COMPUTE_PATH_TO_POSE, self._paths),
             )
         ]
 
@@ -312,8 +326,19 @@ class _RobotActions:
         """Process a tick of the session; see `NavigateToPoseServer.follow`."""
         self._navigate.follow(tick, messages, navigation, recoveries)
         self._waypoints.follow(tick)
+        self._paths.follow(tick)
         for server in self._servers:
             server.publish()
+
+
+def _make_plan(team: Team, robot: int, start: Pose2 | None, goal: Pose2) -> FloatArray | PlanRefusal:
+    """Return a plan of a robot, with the tolerance of its global planner."""
+    own = team.parameters[robot]
+    tolerances = {
+        "navfn/NavfnROS": own.NavfnROS.default_tolerance,
+        "global_planner/GlobalPlanner": own.GlobalPlanner.default_tolerance,
+    }
+    return team.make_plan(robot, start, goal, tolerances.get(own.move_base.base_global_planner, 0.0))
 
 
 def _after_header(read: Callable[[bytes], Request | InvalidMessage], data: bytes) -> Request | InvalidMessage:
