@@ -1,4 +1,4 @@
-"""Write the pages of keys in `docs/reference`, from the code: `study-file.md`, `study-seats.md` and `study-keys.md`.
+"""Write the pages of keys in `docs/reference`, from the code: `study-file.md` and other pages named `study-*.md`.
 
 python scripts/write_study_keys.py [FOLDER]
 """
@@ -24,7 +24,8 @@ For researchers and admins: every key of the YAML file that `thbridge play` and 
 `scripts/write_study_keys.py` writes this page from the code. `thbridge study init study.yaml` writes the same keys as
 a commented file, and `thbridge study edit` shows them as a form. The parameters of robots and their world (sections
 `robot` and `world`) have [a page of their own](parameters.md), and so have the sections `seats` and `team`
-of [games with several people](study-seats.md).
+of [games with several people](study-seats.md), and the sections `fleet` and `ros2` of [real robots and ROS 2
+graphs](study-ros.md).
 
 ## At the top
 """
@@ -35,6 +36,14 @@ For researchers who study teams: the sections `seats` and `team` of a [study fil
 
 `scripts/write_study_keys.py` writes this page from the code. [Several people in one
 game](../how-to/several-people.md) explains how seats, texts and votes work together.
+"""
+ROS_HEAD = """\
+# Keys of real robots and ROS 2 graphs
+
+For roboticists: the sections `fleet` and `ros2` of a [study file](study-file.md).
+
+`scripts/write_study_keys.py` writes this page from the code. [Play with real robots](../how-to/real-robots.md) explains
+how the keys are used.
 """
 HEAD = """\
 # Keys of a study with people
@@ -75,7 +84,9 @@ LISTS = {"seats": "Keys of a seat", "things": "Keys of an obstacle"}
 """Sections of a study that are lists, with the line above the keys of an entry."""
 OF_SEATS = {"seats", "team"}
 """Sections of games with several people."""
-ELSEWHERE = {"robot", "world", *OF_SEATS}
+OF_ROS = {"fleet", "ros2"}
+"""Sections of real robots and ROS 2 graphs."""
+ELSEWHERE = {"robot", "world", *OF_SEATS, *OF_ROS}
 """Sections of a study file that have pages of their own."""
 
 
@@ -91,6 +102,12 @@ def seats_page() -> str:
     """Return the page of the keys of games with several people."""
     sections = _sections(section for section in _study_form().groups if section.key in OF_SEATS)
     return SEATS_HEAD + "\n".join(sections) + "\n"
+
+
+def ros_page() -> str:
+    """Return the page of the keys of real robots and ROS 2 graphs."""
+    sections = _sections(section for section in _study_form().groups if section.key in OF_ROS)
+    return ROS_HEAD + "\n".join(sections) + "\n"
 
 
 def document() -> str:
@@ -148,4 +165,5 @@ if __name__ == "__main__":
     folder = parser.parse_args().folder
     (folder / "study-file.md").write_text(study_page(), encoding="utf-8")
     (folder / "study-seats.md").write_text(seats_page(), encoding="utf-8")
+    (folder / "study-ros.md").write_text(ros_page(), encoding="utf-8")
     (folder / "study-keys.md").write_text(document(), encoding="utf-8")

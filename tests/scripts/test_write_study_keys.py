@@ -18,7 +18,12 @@ def test_the_pages_are_up_to_date() -> None:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     assert module.document() == PAGE, "python scripts/write_study_keys.py"
-    for name, page in (("study-file.md", module.study_page()), ("study-seats.md", module.seats_page())):
+    pages = {
+        "study-file.md": module.study_page(),
+        "study-seats.md": module.seats_page(),
+        "study-ros.md": module.ros_page(),
+    }
+    for name, page in pages.items():
         assert page == (FOLDER / name).read_text(encoding="utf-8"), "python scripts/write_study_keys.py"
 
 

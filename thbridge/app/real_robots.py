@@ -1,9 +1,10 @@
-"""SimR with real robots of a ROS graph in place of simulated robots."""
+"""SimR with real robots of a ROS 1 or ROS 2 graph in place of simulated robots."""
 
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import replace
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -15,16 +16,18 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.app.programs import SIMR, SimrOptions, await_consent, run_at_server
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.simr_session import SimrSession
+from thbridge.roles.simr.team import RobotTeam
 from thbridge.ros.messages.stamps import TICK_NS
 from thbridge.ros.reconfigure import described
 from thbridge.ros.remote.changes import SettledState
 from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.topics import RosMessage
+from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.rosgraph.files.real_robots import FleetRecorder
 from thbridge.rosgraph.sockets.fleet import CALLER, Fleet
 from thbridge.rosgraph.sockets.joining import GraphAddress
 from thbridge.rosgraph.wire.links import TopicHeader
-from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.sockets.reconnecting import ConnectionLost
 from thbridge.study.real_robots import FleetSection
 from thbridge.text_protocol.sockets.client import TextClient
@@ -78,12 +81,49 @@ class HeldTraffic:
             self.recorder.flush()
 
 
+class RealTeam(RobotTeam, Protocol):
+    """Team of real robots of ROS 1 or ROS 2."""
+
+    async def start(self) -> object:
+        """Join the graph. Return the reason if this is not possible."""
+
+    async def stop(self) -> None:
+        """Stop the robots, and leave the graph."""
+
+    def missing(self) -> list[str]:
+        """Return the reasons why the robots cannot be commanded yet. Each reason is one sentence."""
+
+    @property
+    def joined(self) -> bool:
+        """True after the graph was found."""
+
+    def tell_changes(self) -> None:
+        """Log changes of the robots that people must know."""
+
+
+def build_fleet(setting: StudySetting, graph: GraphAddress | Ros2Address, traffic: HeldTraffic) -> RealTeam:
+    """Return the real robots of a study, before they join their graph."""
+    if isinstance(graph, Ros2Address):
+        # The import is here because other robots do not need the types of ROS 2.
+        from thbridge.app.real_nav2_robots import build_nav2_fleet  # noqa: PLC0415
+
+        return build_nav2_fleet(setting, graph, traffic)
+    section = setting.study.fleet
+    footprint = np.array(setting.study.world.footprint, dtype=np.float64)
+    stale_ns = round(section.silence * 1e9)
+    named = section.names(setting.study.robots)
+    robots = [RemoteRobot(robot, each, CALLER, footprint, stale_ns) for robot, each in enumerate(named)]
+    (declared,) = live_parameters(FleetSection)
+    offset = replace(described(declared), default=section.odom_time_offset)
+    return Fleet(graph, robots, traffic, offset)
+
+
 async def simr_with_real_robots(
     setting: StudySetting,
     options: SimrOptions,
-    graph: GraphAddress,
+    graph: GraphAddress | Ros2Address,
     lost: Callable[[ConnectionLost], None],
-    unreachable: Callable[[CannotListen], None],
+    unreachable: Callable[[CannotListen | CannotReach], None],
     missing: Callable[[Sequence[str]], None],
 ) -> str | None:
     """Command real robots for the game until the program is stopped. At the end, the robots stop.
@@ -117,16 +157,10 @@ async def simr_with_real_robots(
         asks = options.bag is not None and setting.consent is not None
         if options.bag is not None and not asks:
             record(options.bag)
-        footprint = np.array(setting.study.world.footprint, dtype=np.float64)
-        named = setting.study.fleet.names(setting.study.robots)
-        stale_ns = round(setting.study.fleet.silence * 1e9)
-        robots = [RemoteRobot(robot, each, CALLER, footprint, stale_ns) for robot, each in enumerate(named)]
-        (declared,) = live_parameters(FleetSection)
-        offset = replace(described(declared), default=setting.study.fleet.odom_time_offset)
-        fleet = Fleet(graph, robots, traffic, offset)
+        fleet = build_fleet(setting, graph, traffic)
         opened.push_async_callback(fleet.stop)
         started = await fleet.start()
-        if isinstance(started, CannotListen):
+        if isinstance(started, CannotListen | CannotReach):
             unreachable(started)
         reported: SettledState[tuple[str, ...]] = SettledState(())
         ticks = 0

@@ -22,7 +22,7 @@ S = TypeVar("S")
 
 @dataclass(frozen=True, slots=True)
 class Ros2Section:
-    """ROS 2 graph that a session joins with the option `--ros2`."""
+    """ROS 2 graph that a session joins with the option `--ros2`, or that has the real robots."""
 
     distribution: RosDistribution = param(
         RosDistribution.JAZZY, "distribution of ROS 2 on the graph; some message types differ between distributions"
@@ -35,6 +35,7 @@ class Ros2Section:
         "127.0.0.1", "address of this machine on the graph's network; 127.0.0.1: only programs of this machine"
     )
     router: str = param(ROUTER, "address, HOST:PORT, of the zenoh router")
+    use_sim_time: bool = param(False, "whether real robots (robots_from: ros2) get their time from /clock")
 
     @property
     def address(self) -> Ros2Address:

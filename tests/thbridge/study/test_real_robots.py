@@ -6,6 +6,9 @@ from pathlib import Path
 import pytest
 
 from thbridge.files.errors import BadFile, BadFiles
+from thbridge.ros.remote.names import Nav2Names
+from thbridge.ros2graph.values.address import RosDistribution
+from thbridge.study.real_robots import FleetNames, FleetSection, Nav2FleetNames
 from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import Study, read_study_text
 from thbridge.study.text import resolved
@@ -75,3 +78,31 @@ def test_what_cannot_be_a_name_is_told_with_line_and_remedy(fleet, key, problem)
 def test_the_standard_names_survive_the_study_in_a_bag():
     study = replace(Study(), robots_from=RobotsFrom.ROS)
     assert read_study_text(FILE, resolved(study)) == study
+
+
+def test_nav2_robots_have_the_names_of_nav2() -> None:
+    remote, nav2 = FleetNames().nav2_names(2, RosDistribution.JAZZY)
+    assert (nav2.action, nav2.tf, nav2.tf_static) == ("/robot2/navigate_to_pose", "/robot2/tf", "/robot2/tf_static")
+    assert remote.action("status") == "/robot2/navigate_to_pose/_action/status"
+    assert (remote.plan, remote.battery, remote.odom) == ("/robot2/plan", "/robot2/battery_state", "/robot2/odom")
+    assert not nav2.is_twist_stamped
+    assert FleetNames().nav2_names(2, RosDistribution.KILTED)[1].is_twist_stamped
+    shared = FleetNames(nav2=Nav2FleetNames(tf="/tf", stamped_cmd_vel=False))
+    assert shared.nav2_names(2, RosDistribution.KILTED)[1] == Nav2Names(nav2.action, "/tf", nav2.tf_static, False)
+
+
+def test_nav2_robots_may_share_names_of_frames_unless_they_share_a_topic_of_transforms() -> None:
+    own = FleetSection(robot=FleetNames(odom_frame="odom"))
+    assert own.clash(2, RobotsFrom.ROS2) is None
+    assert own.clash(2, RobotsFrom.ROS) is not None
+    shared = FleetSection(robot=FleetNames(odom_frame="odom", nav2=Nav2FleetNames(tf="/tf")))
+    clash = shared.clash(2, RobotsFrom.ROS2)
+    assert clash is not None
+    assert clash.field == "odom_frame"
+    same = FleetSection(robot=FleetNames(nav2=Nav2FleetNames(action="/navigate_to_pose")))
+    assert same.clash(2, RobotsFrom.ROS2) is not None
+
+
+def test_names_of_nav2_are_checked() -> None:
+    named = FleetNames(nav2=Nav2FleetNames(tf="my tf"))
+    assert [field for field, _ in named.faults(1)] == ["nav2.tf"]

@@ -162,6 +162,11 @@ class Nav2Fleet:
             return [f"use_sim_time is set, but there is no time on {names.CLOCK} yet"]
         return missing_of(self._team.robots)
 
+    @property
+    def joined(self) -> bool:
+        """True, because a ROS 2 graph has no master that may be missing."""
+        return True
+
     def tell_changes(self) -> None:
         """Process the state of the graph, and log changes of the robots; see `RemoteTeam`."""
         now_ns = self.now()

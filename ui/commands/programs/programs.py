@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from thbridge.sockets.addresses import ListeningAddress
-from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.robots_from import RobotsFrom
 from ui.command_line.option_sets import with_option_sets
@@ -87,7 +87,8 @@ def simr(
     robots_from: Annotated[
         RobotsFrom | None,
         typer.Option(
-            help="`sim`: simulate the robots. `ros`: command robots on a ROS graph; see `thbridge docs real-robots`."
+            help="`sim`: simulate the robots. `ros`, `ros2`: command robots on a ROS 1 or ROS 2 graph; see "
+            "`thbridge docs real-robots`."
         ),
     ] = None,
     rate: Annotated[
@@ -126,15 +127,17 @@ def simr(
         study = dataclasses.replace(study, mavlink=dataclasses.replace(study.mavlink, on=False))
     setting = setting_of(study, study_file)
     note_doubts(setting)
-    real = setting.study.robots_from is RobotsFrom.ROS
+    source = setting.study.robots_from
+    real = source.is_real
     if study.external_nodes is not ExternalNodes.NONE and not (real or ros.join or ros2.join_ros2):
         fail(
             BAD_INPUT,
             "external_nodes: other nodes drive these robots on a ROS graph. Add --ros or --ros2, or set "
             "external_nodes: none.",
         )
-    if real and ros.join:
-        fail(BAD_INPUT, "--ros: real robots are always on a ROS graph. Omit the option.")
+    if real and (ros.join or ros2.join_ros2):
+        option = "--ros" if ros.join else "--ros2"
+        fail(BAD_INPUT, f"{option}: real robots are always on a ROS graph. Omit the option.")
     if real and watching.watch is not None:
         fail(BAD_INPUT, "--watch: this option needs simulated robots. Omit it, and watch real robots with rviz.")
     if real and watching.foxglove is not None:
@@ -142,10 +145,10 @@ def simr(
         fail(BAD_INPUT, f"--foxglove: this option needs simulated robots. {remedy}.")
     if real and rate is not None:
         fail(BAD_INPUT, "--rate: real robots run in real time. Omit the option.")
-    if real and (clash := setting.study.fleet.clash(setting.study.robots)) is not None:
+    if real and (clash := setting.study.fleet.clash(setting.study.robots, source)) is not None:
         fail(BAD_INPUT, f"{clash.problem}. Write other names into the study's `fleet`, or use fewer robots.")
-    graph = graph_of(dataclasses.replace(ros, join=ros.join or real), study.open_to)
-    graph2 = ros2_of(study, ros2)
+    graph = graph_of(dataclasses.replace(ros, join=ros.join or source is RobotsFrom.ROS), study.open_to)
+    graph2 = ros2_of(study, dataclasses.replace(ros2, join_ros2=ros2.join_ros2 or source is RobotsFrom.ROS2))
     door = None
     if not real:
         door = watch_of(setting.study, study_file, watching, keys_of(setting.study, study_file, None))
@@ -153,11 +156,12 @@ def simr(
     shown = None if client.key is None else key_of(client.key)
     if bag is not None:
         make_ready(bag, setting.study.recording.compression)
-    if real and graph is not None:
+    robots_graph = graph2 if source is RobotsFrom.ROS2 else graph
+    if real and robots_graph is not None:
         for setting_name in settings_without_effect(setting.study):
             note(f"{setting_name} has no effect here: it applies only to simulated robots.")
         options = SimrOptions(host, port, new_token(), 1.0, bag, key=shown)
-        unfit = run(simr_with_real_robots(setting, options, graph, tell_lost, _unreachable, _missing))
+        unfit = run(simr_with_real_robots(setting, options, robots_graph, tell_lost, _unreachable, _missing))
         if unfit is not None:
             fail(FAILED, unfit)
         return
@@ -269,7 +273,7 @@ def tabui(
         note(ANOTHER_GAME)
 
 
-def _unreachable(why: CannotListen) -> None:
+def _unreachable(why: CannotListen | CannotReach) -> None:
     fail(BAD_INPUT, f"ROS: {why}")
 
 
