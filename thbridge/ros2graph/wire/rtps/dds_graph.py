@@ -28,7 +28,6 @@ MOST_CALLS = 1024
 """Maximum number of calls of a client that wait for their response. Older calls get none."""
 MOST_HELD = 64
 """Maximum number of responses of a server that wait until their client's reader is known."""
-_HOLD_NS = 1_000_000_000
 _SERVICE_TYPE_END = "_Request"
 
 
@@ -137,9 +136,7 @@ class DdsGraph:
         return gid.hex() if node is None else node.whole
 
     def tick(self, now_ns: int) -> None:
-        """Repeat what was not acknowledged, and drop what waited too long."""
-        for server in self._servers:
-            server.tick(now_ns)
+        """Repeat what was not acknowledged, and announce changes of our nodes."""
         self.participant.tick(now_ns)
         self.flush()
 
@@ -256,13 +253,19 @@ class DdsWriter:
 
 @dataclass(slots=True)
 class _Response:
-    """Response that waits until the reader of its client is known. If `reader` is empty, any of the client's serves."""
+    """Response that waits until the reader of its client is known.
 
-    prefix: bytes
+    Attributes:
+        writer: GUID of the client's writer.
+        reader: GUID of the client's reader; empty if any reader of its participant serves.
+        message: the response.
+        inline: its inline quality of service.
+    """
+
+    writer: Guid
     reader: Guid
     message: bytes
     inline: bytes
-    due_ns: int | None = None
 
 
 class DdsServer:
@@ -284,23 +287,18 @@ class DdsServer:
         graph.reader(node, ros_names.request_topic(service), support.request, SERVICES, self._on_sample)
 
     def send_held(self) -> None:
-        """Send the responses whose client can receive them."""
+        """Send the responses whose client can receive them, and drop those whose client is gone."""
         for response in list(self._held):
             if self._can_receive(response):
                 self._held.remove(response)
                 self._send(response)
-
-    def tick(self, now_ns: int) -> None:
-        """Drop responses that waited too long."""
-        for response in list(self._held):
-            response.due_ns = response.due_ns or now_ns + _HOLD_NS
-            if now_ns > response.due_ns:
+            elif self._graph.participant.endpoint(response.writer) is None:
                 self._held.remove(response)
 
     def _on_sample(self, sample: ReceivedSample) -> None:
         if sample.disposed or not sample.payload:
             return
-        prefix, message, header = sample.writer[:PREFIX_SIZE], sample.payload, b""
+        message, header = sample.payload, b""
         client, sequence = b"", sample.sequence
         if self._graph.uses_header(sample.writer):
             try:
@@ -314,9 +312,9 @@ class DdsServer:
 
         def reply(response: bytes) -> None:
             if header:
-                waiting = _Response(prefix, b"", insert_header(response, header), b"")
+                waiting = _Response(sample.writer, b"", insert_header(response, header), b"")
             else:
-                waiting = _Response(prefix, client, response, related(client or sample.writer, sequence))
+                waiting = _Response(sample.writer, client, response, related(client or sample.writer, sequence))
             if self._can_receive(waiting):
                 self._send(waiting)
             else:
@@ -328,10 +326,10 @@ class DdsServer:
         readers = self._writer.readers
         if response.reader:
             return response.reader in readers
-        return any(each.startswith(response.prefix) for each in readers)
+        return any(each.startswith(response.writer[:PREFIX_SIZE]) for each in readers)
 
     def _send(self, response: _Response) -> None:
-        self._graph.write(self._writer, response.message, response.inline, frozenset({response.prefix}))
+        self._graph.write(self._writer, response.message, response.inline, frozenset({response.writer[:PREFIX_SIZE]}))
 
 
 @dataclass(slots=True)
