@@ -84,7 +84,7 @@ def test_refusals_have_codes_of_nav2() -> None:
     [
         ({"planner_id": "Smac"}, PathError.INVALID_PLANNER, "there is no planner 'Smac'"),
         ({"goal": pose(1.0, "odom")}, PathError.TF_ERROR, "odom"),
-        ({"start": pose(float("nan")), "use_start": True}, PathError.TF_ERROR, "nan"),
+        ({"start": pose(float("nan")), "use_start": True}, PathError.TF_ERROR, "not finite"),
     ],
 )
 def test_unusable_goals_are_aborted(fields: dict[str, object], error: PathError, sentence: str) -> None:
