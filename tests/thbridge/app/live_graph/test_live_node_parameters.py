@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
@@ -260,6 +262,23 @@ def test_the_last_costmap_can_be_read() -> None:
     assert np.abs(found.data.astype(int) - np.arange(256)).max() <= 2
     assert found.data[[0, 253, 254, 255]].tolist() == [0, 253, 254, 255]
     assert both.call("/robot1/local_costmap/get_costmap", services.GET_COSTMAP).map.metadata.size_x == 0
+
+
+@settings(max_examples=50)
+@given(st.binary(max_size=400), st.integers(0, 400))
+def test_bytes_that_are_no_request_have_no_effect(noise: bytes, place: int) -> None:
+    both = TwoRobots()
+    request = f"{services.SET_INITIAL_POSE}_Request"
+    whole = TYPES.encode(request, TYPES.make(request, pose=pose("map", 1.0, 0.25)))
+    for endpoint in both.other.endpoints():
+        if endpoint.name.startswith("/robot1/") and endpoint.name.count("/") <= 3:
+            client = both.other.client(CLIENT, endpoint.name, TYPES.service(services.EMPTY))
+            for damaged in (noise, whole[:place] + noise):
+                client.call(damaged, lambda response: None)
+    both.graph.deliver()
+    for _, request_ in both.asks:
+        if isinstance(request_, SetPoseEstimate):
+            assert np.isfinite(request_.covariance).all()
 
 
 def test_levels_of_our_loggers_can_be_read_and_set() -> None:
