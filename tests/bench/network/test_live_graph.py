@@ -1,4 +1,4 @@
-"""A whole hunt of ten robots at the pace of the clock, on a graph: what its listeners cost, and how even ticks are.
+"""A whole hunt of ten robots at the pace of the clock, on graphs: what listeners cost, and how even ticks are.
 
 Three nodes of another process hear every topic. The stalled one is a fourth that subscribes to every topic and never
 reads; so that it stalls at once, sockets hold little of what is sent.
@@ -24,9 +24,13 @@ from thbridge.app import listeners, play
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.recording import build_publisher
 from thbridge.app.compose.setting import read_setting
+from thbridge.app.live_graph import live_ros2
 from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.ros.topics import CLOCK
+from thbridge.ros2.distribution import Distribution
+from thbridge.ros2.topics import SessionTopics
+from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.rosgraph.sockets import tcpros_server
 from thbridge.rosgraph.sockets.joining import GraphAddress
 from thbridge.study.study_file import Study
@@ -38,6 +42,7 @@ WARM_UP = 8.0
 SECONDS = 25.0  # the hunt takes 37
 LISTENERS = 3
 SEND_BUFFER = 16384
+DOMAIN = 99
 
 LISTEN = """
 import asyncio, json, sys, time
@@ -72,6 +77,47 @@ async def main():
     print(json.dumps([heard, clock]), flush=True)
     for node in nodes:
         await node.stop()
+
+asyncio.run(main())
+"""
+
+LISTEN_ROS2 = """
+import asyncio, json, sys, time
+from thbridge.ros2.qos import QosProfile, Durability, Reliability
+from thbridge.ros2.supports import MessageSupport
+from thbridge.ros2graph.sockets.dds import DdsCarrier
+from thbridge.ros2graph.values.graph import NodeName
+
+async def main():
+    domain, number, first, last = int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3]), float(sys.argv[4])
+    topics = json.loads(sys.stdin.readline())
+    heard, clock, now = 0, [], 0.0
+    over = asyncio.Event()
+
+    def tick(data, gid):
+        nonlocal now
+        now = int.from_bytes(data[4:8], "little") + int.from_bytes(data[8:12], "little") * 1e-9 - 1.0
+        if first <= now < last:
+            clock.append(time.monotonic())
+        elif now >= last:
+            over.set()
+
+    def hear(data, gid):
+        nonlocal heard
+        heard += first <= now < last
+
+    carriers = [DdsCarrier(domain) for _ in range(number)]
+    for each, carrier in enumerate(carriers):
+        node = NodeName("/", f"listener{each}")
+        for name, kind, hash_, depth, reliability, durability in topics:
+            take = tick if name == "/clock" and each == 0 else hear
+            qos = QosProfile(depth, Reliability(reliability), Durability(durability))
+            carrier.subscribe(node, name, MessageSupport(kind, hash_), qos, take)
+        await carrier.start()
+    await over.wait()
+    print(json.dumps([heard, clock]), flush=True)
+    for carrier in carriers:
+        await carrier.stop()
 
 asyncio.run(main())
 """
@@ -135,7 +181,7 @@ class Measured:
         budgets.time(f"live graph: a tick, {name}", float(np.diff(self.cpus).mean()))
 
 
-def hunt(monkeypatch: pytest.MonkeyPatch, graph: GraphAddress | None) -> Measured:
+def hunt(monkeypatch: pytest.MonkeyPatch, graph: GraphAddress | None, ros2: Ros2Address | None = None) -> Measured:
     study = dataclasses.replace(Study(), robots=ROBOTS, map="warehouse12", seed=1)
     study = dataclasses.replace(study, server=dataclasses.replace(study.server, port=0))
     setting = read_setting(study, Path())
@@ -147,14 +193,20 @@ def hunt(monkeypatch: pytest.MonkeyPatch, graph: GraphAddress | None) -> Measure
             super().__init__(*arguments)
             made.append(self)
 
+    class KeptRos2(live_ros2.LiveRos2Graph):
+        def __init__(self, *arguments) -> None:
+            super().__init__(*arguments)
+            made.append(self)
+
     monkeypatch.setattr(listeners, "LiveGraph", Kept)
+    monkeypatch.setattr(live_ros2, "LiveRos2Graph", KeptRos2)
 
     def progress(moment) -> None:
         if moment.tick >= WARM_UP * 50:
             walls.append(time.perf_counter())
             cpus.append(time.process_time())
 
-    options = PlayOptions(1.0, None, frozenset(), "suggestion", WARM_UP + SECONDS + 1.0, graph)
+    options = PlayOptions(1.0, None, frozenset(), "suggestion", WARM_UP + SECONDS + 1.0, graph, ros2=ros2)
     with pytest.raises(HuntUnfinished):
         asyncio.run(play.play(setting, (participant,), options, lambda where: None, progress))
     return Measured(np.array(walls), np.array(cpus), made[0].dropped if made else 0)
@@ -182,6 +234,41 @@ def beside(monkeypatch: pytest.MonkeyPatch, stalled: bool) -> Measured:
         for process in running:
             process.kill()
             process.communicate()
+
+
+def beside_ros2(monkeypatch: pytest.MonkeyPatch) -> Measured:
+    address = Ros2Address(domain=DOMAIN)
+    study = dataclasses.replace(Study(), robots=ROBOTS, map="warehouse12")
+    types = Distribution.of(address.distribution.value)
+    topics = SessionTopics(types, build_publisher(read_setting(study, Path())).topics, ROBOTS).all
+    wanted = [
+        (each.name, each.type, types.message(each.type).hash, each.qos.depth, each.qos.reliability, each.qos.durability)
+        for each in topics
+    ]
+    script = (LISTEN_ROS2, str(DOMAIN), str(LISTENERS), str(WARM_UP), str(WARM_UP + SECONDS))
+    process = subprocess.Popen(
+        [sys.executable, "-c", *script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    try:
+        process.stdin.write(json.dumps(wanted) + "\n")
+        process.stdin.flush()
+        measured = hunt(monkeypatch, None, address)
+        heard, clock = json.loads(process.communicate(timeout=30)[0])
+        return dataclasses.replace(measured, heard=heard, clock=np.array(clock))
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def test_ten_robots_under_way_on_a_graph_of_ros2(budgets: Budgets, monkeypatch, capsys):
+    alone = hunt(monkeypatch, None)
+    unheard = hunt(monkeypatch, None, Ros2Address(domain=DOMAIN))
+    heard = beside_ros2(monkeypatch)
+    with capsys.disabled():
+        print(f"\nload of the machine: {os.getloadavg()[0]:.1f}")
+        print(alone.told("alone"), unheard.told("on ROS 2, unheard"), heard.told("on ROS 2"))
+    heard.judge("three listeners on ROS 2", budgets)
+    assert heard.dropped == 0
 
 
 def test_ten_robots_under_way_on_a_graph(budgets: Budgets, monkeypatch, capsys):

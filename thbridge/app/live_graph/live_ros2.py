@@ -104,6 +104,8 @@ class LiveRos2Graph:
             for robot in range(team.size)
             if not self._external.move_base
         ]
+        self._action_topics = {name: robot for robot, each in enumerate(self._actions) for name in each.topics}
+        self._unsent: set[_TopicWriter] = set()
         self._recoveries = [progress.tried for progress in team.recoveries]
         for robot, named in enumerate(self._robots):
             self._subscribe_to_clients(robot, named)
@@ -156,19 +158,23 @@ class LiveRos2Graph:
         for message in (clock_message(tick), *messages):
             if not message.foreign:
                 for topic in self._by_topic.get(message.topic.name, ()):
-                    topic.take(message)
-        for topic in self._topics:
-            topic.publish_kept()
+                    if topic.take(message):
+                        self._unsent.add(topic)
+        self._unsent = {topic for topic in self._unsent if topic.publish_kept()}
         self._follow_actions(tick, messages)
 
     def _follow_actions(self, tick: int, messages: Sequence[RosMessage]) -> None:
         progress = self._team.recoveries
+        own: list[list[RosMessage]] = [[] for _ in self._actions]
+        for message in messages:
+            robot = self._action_topics.get(message.topic.name)
+            if robot is not None:
+                own[robot].append(message)
         for robot, actions in enumerate(self._actions):
             before, self._recoveries[robot] = self._recoveries[robot], progress[robot].tried
             # If a robot began the list again within the tick, all behaviors tried since then are new.
             begun = progress[robot].tried - (before if progress[robot].tried >= before else 0)
-            own = [message for message in messages if message.topic.name in actions.topics]
-            actions.follow(tick, own, self._team.navigation(robot), begun)
+            actions.follow(tick, own[robot], self._team.navigation(robot), begun)
 
     # Messages of clients
 
@@ -269,20 +275,23 @@ class _TopicWriter:
         self._depth = topic.qos.depth
         self._kept: list[RosMessage] = []
 
-    def take(self, message: RosMessage) -> None:
-        """Publish a message. Without subscriptions, keep it for the first one if the topic is latched."""
+    def take(self, message: RosMessage) -> bool:
+        """Publish a message. Without subscriptions, keep it if the topic is latched; return True if it is kept."""
         if self.writer.readers:
             self.publish_kept()
             self.writer.write(self._convert(message))
-        elif self._latched:
+            return False
+        if self._latched:
             self._kept = [*self._kept, message][-self._depth :]
+        return self._latched
 
-    def publish_kept(self) -> None:
-        """Publish the kept messages if there is a subscription now."""
+    def publish_kept(self) -> bool:
+        """Publish the kept messages if there is a subscription now; return True if they are still kept."""
         if self._kept and self.writer.readers:
             kept, self._kept = self._kept, []
             for message in kept:
                 self.writer.write(self._convert(message))
+        return bool(self._kept)
 
 
 class _RobotActions:
