@@ -1,9 +1,12 @@
 """Services that each node of a ROS 2 graph has: its parameters, their events, and the descriptions of its types.
 
-Requests that are no messages are dropped.
+Requests that are no messages are dropped. Answers may take milliseconds, for example with 70 descriptors. So requests
+wait in a queue, and between two answers the event loop does other work.
 """
 
+import asyncio
 import logging
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Protocol
@@ -18,6 +21,8 @@ from thbridge.ros2graph.values.graph import NodeName
 from thbridge.sockets.warn_once import WarnOnce
 
 EVENTS = "/parameter_events"
+MAX_WAITING = 200
+"""Maximum number of requests that wait for their answers. Further requests are dropped."""
 
 _log = logging.getLogger(__name__)
 
@@ -41,30 +46,40 @@ class ParameterOwner(Protocol):
         """
 
 
+def call_soon(callback: Callable[[], None]) -> None:
+    """Call a function in the next round of the event loop."""
+    asyncio.get_running_loop().call_soon(callback)
+
+
 class NodeServices:
-    """Services of nodes on one carrier. All nodes share the supports of the types.
+    """Services of nodes on one carrier. All nodes share the supports of the types, and the queue of requests.
 
     Args:
         carrier: the carrier.
         types: types of the messages.
+        defer: calls a function later.
     """
 
-    def __init__(self, carrier: GraphCarrier, types: Distribution) -> None:
+    def __init__(
+        self, carrier: GraphCarrier, types: Distribution, defer: Callable[[Callable[[], None]], None] = call_soon
+    ) -> None:
         self._carrier = carrier
         self._types = types
+        self._defer = defer
+        self._waiting: deque[Callable[[], None]] = deque()
         self._complaints = WarnOnce(_log)
         self._supports = {service: types.service(name) for service, name in messages.SERVICE_TYPES.items()}
         self._description = types.service(SERVICE_TYPE)
 
     def serve(self, node: NodeName, service: str, type_: str, answer: Callable[[bytes], bytes]) -> None:
         """Offer a service whose answers take no time. `answer` raises ValueError for bytes that are no request."""
-        self._carrier.serve(node, service, self._types.service(type_), partial(self._answer, service, answer))
+        self._carrier.serve(node, service, self._types.service(type_), partial(self._enqueue, service, answer))
 
     def describe_types(self, node: NodeName) -> None:
         """Offer `get_type_description` of a node."""
         service = f"{node.whole}/{SERVICE}"
         answer = partial(answer_type_description, self._types)
-        self._carrier.serve(node, service, self._description, partial(self._answer, service, answer))
+        self._carrier.serve(node, service, self._description, partial(self._enqueue, service, answer))
 
     def offer(self, node: ParameterNode, owner: ParameterOwner) -> "ParameterEvents":
         """Offer the services of a node's parameters, and return its publisher of events."""
@@ -80,13 +95,31 @@ class NodeServices:
         named = NodeName(node.namespace, node.name)
         for service, support in self._supports.items():
             name = f"{named.whole}/{service}"
-            self._carrier.serve(named, name, support, partial(self._answer, name, answers[service]))
+            self._carrier.serve(named, name, support, partial(self._enqueue, name, answers[service]))
         return ParameterEvents(self._carrier, types, node)
 
     def _set(self, node: ParameterNode, owner: ParameterOwner, service: str, request: bytes) -> bytes:
         given = messages.given_parameters(self._types, service, request)
         refusals = owner.set(node, given, service == messages.SET_TOGETHER)
         return messages.set_answer(self._types, service, refusals)
+
+    def _enqueue(
+        self, service: str, answer: Callable[[bytes], bytes], request: bytes, client: bytes, reply: Reply
+    ) -> None:
+        if len(self._waiting) >= MAX_WAITING:
+            self._complaints.warn(f"{service}: more than {MAX_WAITING} requests wait; further requests are dropped")
+            return
+        self._waiting.append(partial(self._answer, service, answer, request, client, reply))
+        if len(self._waiting) == 1:
+            self._defer(self._answer_next)
+
+    def _answer_next(self) -> None:
+        try:
+            self._waiting[0]()
+        finally:
+            self._waiting.popleft()
+            if self._waiting:
+                self._defer(self._answer_next)
 
     def _answer(
         self, service: str, answer: Callable[[bytes], bytes], request: bytes, client: bytes, reply: Reply

@@ -46,7 +46,7 @@ class TwoRobots:
     def __init__(self, external: ExternalNodes = ExternalNodes.NONE) -> None:
         self.graph = LoopbackGraph()
         program, self.other = self.graph.program(), self.graph.program()
-        offered, self.limiter = NodeServices(program, TYPES), RateLimiter()
+        offered, self.limiter = NodeServices(program, TYPES, self.graph.pending.append), RateLimiter()
         self.asks: list[tuple[str, Request]] = []
         self.software = [SOFTWARE, SOFTWARE]
         self.parameters = LiveNodeParameters(

@@ -15,7 +15,7 @@ from thbridge.ros2.nav2_parameters import robot_nodes
 from thbridge.ros2.parameters import GivenParameter, ParameterKind, ParameterNode, Value, kind_of
 from thbridge.ros2.qos import DEFAULT
 from thbridge.ros2.type_descriptions import SERVICE_TYPE
-from thbridge.ros2graph.sockets.parameter_services import EVENTS, NodeServices, ParameterEvents
+from thbridge.ros2graph.sockets.parameter_services import EVENTS, MAX_WAITING, NodeServices, ParameterEvents
 from thbridge.ros2graph.values.graph import NodeName
 
 TYPES = Distribution.of("kilted")
@@ -47,7 +47,7 @@ class Offered:
         self.owner = Owner()
         self.graph = LoopbackGraph()
         self.program, self.other = self.graph.program(), self.graph.program()
-        services = NodeServices(self.program, TYPES)
+        services = NodeServices(self.program, TYPES, self.graph.pending.append)
         services.describe_types(NAME)
         self.events: ParameterEvents = services.offer(NODE, self.owner)
         self.heard: list[Any] = []
@@ -211,3 +211,21 @@ def test_a_short_request_gets_no_answer_and_one_warning(offered: Offered, caplog
     (record,) = [record for record in caplog.records if record.levelname == "WARNING"]
     assert "/robot1/amcl/get_parameters: ignoring a request of /client" in record.getMessage()
     assert cast(str, record.getMessage()).count("\n") == 0
+
+
+def test_a_flood_waits_in_a_short_queue(offered: Offered, caplog: pytest.LogCaptureFixture) -> None:
+    responses: list[bytes] = []
+    type_ = messages.SERVICE_TYPES[messages.LIST]
+    request = TYPES.encode(f"{type_}_Request", TYPES.make(f"{type_}_Request"))
+    client = offered.other.client(CLIENT, "/robot1/amcl/list_parameters", TYPES.service(type_))
+    for _ in range(MAX_WAITING + 50):
+        client.call(request, responses.append)
+    offered.graph.deliver()
+    # The client's requests arrive before the first answer is due.
+    assert len(responses) == MAX_WAITING
+    assert [record.getMessage() for record in caplog.records if record.levelname == "WARNING"] == [
+        f"/robot1/amcl/list_parameters: more than {MAX_WAITING} requests wait; further requests are dropped"
+    ]
+    client.call(request, responses.append)
+    offered.graph.deliver()
+    assert len(responses) == MAX_WAITING + 1
