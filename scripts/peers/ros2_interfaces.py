@@ -13,8 +13,7 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
-from functools import cache
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
 PREFIX = Path(sys.prefix)
@@ -25,7 +24,11 @@ import numpy as np  # noqa: E402
 from rosidl_parser import parser  # noqa: E402
 
 # Each generator parses all files, which takes most of their time.
-parser.parse_idl_file = cache(parser.parse_idl_file)
+parse = parser.parse_idl_file
+parsed: dict[Path, object] = {}
+parser.parse_idl_file = lambda locator: (
+    parsed.get(path := locator.get_absolute_path()) or parsed.setdefault(path, parse(locator))
+)
 
 import rosidl_generator_c.cli  # noqa: E402
 import rosidl_generator_py.cli  # noqa: E402
@@ -40,21 +43,26 @@ from rosidl_adapter.srv import convert_srv_to_idl  # noqa: E402
 SUPPORTS = ["rosidl_typesupport_fastrtps_c", "rosidl_typesupport_introspection_c"]
 """Type supports that are looked up in libraries of these names."""
 CONVERTERS = {"msg": convert_msg_to_idl, "srv": convert_srv_to_idl, "action": convert_action_to_idl}
+SHARE = PREFIX / "share"
 SITE = Path(sysconfig.get_path("purelib"))
 
 
-def generate(folder: Path, work: Path) -> None:
-    """Write the code of a package into one subfolder of `work` per generator, since some files have equal names."""
+def describe(folder: Path, own: Path) -> tuple[list[str], list[str]]:
+    """Write definitions in IDL and type descriptions with hashes of a package; return the files of both."""
     package = folder.name
-    own = work / "idl" / package
     files = [
         f"{own}:{convert(folder, package, path.relative_to(folder), own / kind).relative_to(own)}"
         for kind, convert in CONVERTERS.items()
         for path in sorted((folder / kind).glob(f"*.{kind}"))
     ]
-    others = [str(PREFIX / "share"), str(own.parent)]
-    describe = rosidl_generator_type_description.cli.HashTypeDescription("").generate_type_hashes
-    described = describe(package, files, others, own)
+    hashes = rosidl_generator_type_description.cli.HashTypeDescription("").generate_type_hashes
+    return files, hashes(package, files, [str(SHARE), str(own.parent)], own)
+
+
+def generate(folder: Path, work: Path) -> None:
+    """Write the code of a package into one subfolder of `work` per generator, since some files have equal names."""
+    package = folder.name
+    files, described = describe(folder, work / "idl" / package)
     for name, generator, arguments in (
         ("c", rosidl_generator_c.cli.GenerateC(""), (described,)),
         ("fastrtps", rosidl_typesupport_fastrtps_c.cli.GenerateFastRTPSCTypesupport(""), ()),
@@ -62,7 +70,7 @@ def generate(folder: Path, work: Path) -> None:
         ("support", rosidl_typesupport_c.cli.GenerateCTypesupport("", typesupport_implementations=SUPPORTS), ()),
         ("py", rosidl_generator_py.cli.GeneratePython("", typesupport_implementations=["rosidl_typesupport_c"]), ()),
     ):
-        generator.generate(package, files, others, work / name / package, *arguments)
+        generator.generate(package, files, [str(SHARE)], work / name / package, *arguments)
 
 
 def compile_package(work: Path, module: Path) -> None:
@@ -92,11 +100,17 @@ def compile_package(work: Path, module: Path) -> None:
     subprocess.run(["g++", "-shared", "-o", module, *objects, "-Wl,--as-needed", *sorted(libraries)], check=True)
 
 
-def install(folder: Path, work: Path) -> None:
+def install(folder: Path) -> None:
     """Build a package and install it."""
+    with tempfile.TemporaryDirectory() as work:
+        build(folder, Path(work))
+
+
+def build(folder: Path, work: Path) -> None:
+    """Build a package in an empty folder and install it."""
     package = folder.name
     generate(folder, work)
-    site, share = SITE / package, PREFIX / "share" / package
+    site, share = SITE / package, SHARE / package
     for old in (site, share):
         shutil.rmtree(old, ignore_errors=True)
     shutil.copytree(work / "py" / package, site, ignore=shutil.ignore_patterns("*.c"))
@@ -111,6 +125,5 @@ def install(folder: Path, work: Path) -> None:
 
 
 if __name__ == "__main__":
-    for folder in sys.argv[1:]:
-        with tempfile.TemporaryDirectory() as work:
-            install(Path(folder).absolute(), Path(work))
+    with ProcessPoolExecutor() as pool:
+        list(pool.map(install, [Path(folder).absolute() for folder in sys.argv[1:]]))

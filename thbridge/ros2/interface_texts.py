@@ -1,13 +1,12 @@
 """Definitions of ROS 2 types that the library rosbags lacks, without comments, and default values that it omits.
 
 Each text has the fields and constants of the .msg, .srv or .action file of the same name. Sources: ros2/rcl_interfaces,
-ros2/common_interfaces, ros-navigation/navigation2, mavlink/mavros, robot_localization.
+ros2/common_interfaces, ros-navigation/navigation2, mavlink/mavros.
 
 Jazzy and Kilted have different definitions of these types:
 
 * nav2_msgs/action/NavigateToPose: Kilted has more error codes. The fields are the same, so the hash is the same.
 * nav2_msgs/action/FollowWaypoints: Kilted has more error codes, and reports missed waypoints as WaypointStatus.
-* nav2_msgs/action/NavigateThroughPoses: Kilted has nav_msgs/Goals as its goal, and reports the status of each waypoint.
 * nav2_msgs/msg/MissedWaypoint exists only in Jazzy; nav2_msgs/msg/WaypointStatus and nav_msgs/msg/Goals only in Kilted.
 
 All other types are the same in both.
@@ -54,10 +53,6 @@ GoalInfo[] goals_canceling
     "std_srvs/srv/SetBool": "bool data\n---\nbool success\nstring message",
     "std_srvs/srv/Trigger": "---\nbool success\nstring message",
     "nav_msgs/srv/GetMap": "---\nOccupancyGrid map",
-    "nav_msgs/srv/GetPlan": "geometry_msgs/PoseStamped start\ngeometry_msgs/PoseStamped goal\nfloat32 tolerance\n---\n"
-    "Path plan",
-    "nav_msgs/srv/SetMap": "OccupancyGrid map\ngeometry_msgs/PoseWithCovarianceStamped initial_pose\n---\nbool success",
-    "robot_localization/srv/SetPose": "geometry_msgs/PoseWithCovarianceStamped pose\n---",
     "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms",
     "nav2_msgs/msg/Particle": "geometry_msgs/Pose pose\nfloat64 weight",
     "nav2_msgs/msg/ParticleCloud": "std_msgs/Header header\nParticle[] particles",
@@ -72,8 +67,6 @@ geometry_msgs/Pose origin
 """,
     "nav2_msgs/msg/Costmap": "std_msgs/Header header\nCostmapMetaData metadata\nuint8[] data",
     "nav2_msgs/srv/ClearEntireCostmap": "std_msgs/Empty request\n---\nstd_msgs/Empty response",
-    "nav2_msgs/srv/ClearCostmapAroundRobot": "float32 reset_distance\n---\nstd_msgs/Empty response",
-    "nav2_msgs/srv/ClearCostmapExceptRegion": "float32 reset_distance\n---\nstd_msgs/Empty response",
     "nav2_msgs/srv/GetCostmap": "CostmapMetaData specs\n---\nCostmap map",
     "nav2_msgs/srv/LoadMap": """\
 string map_url
@@ -135,16 +128,6 @@ uint16 error_code
 string error_msg
 ---
 {_NAVIGATION_FEEDBACK}""",
-    "nav2_msgs/action/NavigateThroughPoses": f"""\
-geometry_msgs/PoseStamped[] poses
-string behavior_tree
----
-uint16 NONE=0
-uint16 error_code
-string error_msg
----
-{_NAVIGATION_FEEDBACK}int16 number_of_poses_remaining
-""",
     "nav2_msgs/action/FollowWaypoints": """\
 uint32 number_of_loops
 uint32 goal_index 0
@@ -186,22 +169,6 @@ uint16 error_code
 string error_msg
 ---
 {_NAVIGATION_FEEDBACK}""",
-    "nav2_msgs/action/NavigateThroughPoses": f"""\
-nav_msgs/Goals poses
-string behavior_tree
----
-uint16 NONE=0
-uint16 UNKNOWN=9100
-uint16 FAILED_TO_LOAD_BEHAVIOR_TREE=9101
-uint16 TF_ERROR=9102
-uint16 TIMEOUT=9103
-uint16 error_code
-string error_msg
-WaypointStatus[] waypoint_statuses
----
-{_NAVIGATION_FEEDBACK}int16 number_of_poses_remaining
-WaypointStatus[] waypoint_statuses
-""",
     "nav2_msgs/action/FollowWaypoints": """\
 uint32 number_of_loops
 uint32 goal_index 0

@@ -19,7 +19,7 @@ ROS2 = ROOT / ".peers" / "ros2"
 SCRIPT = Path(__file__).with_name("rclpy_reserializer.py")
 KILTED = Distribution.of("kilted")
 WHEELS = ("geometry_msgs", "sensor_msgs", "nav_msgs", "diagnostic_msgs", "visualization_msgs", "rcl_interfaces")
-NOT_BUILT = ("mavros_msgs", "robot_localization")
+NOT_BUILT = ("mavros_msgs",)
 
 pytestmark = pytest.mark.skipif(
     not (ROS2 / "interfaces" / "made_from").exists(), reason="not installed: ros2 (see scripts/install_peers.sh)"

@@ -1,12 +1,15 @@
 """Type descriptions and hashes are those that rosidl computed, for the types of rclpy's wheels and for our own."""
 
 import json
+import subprocess
+from pathlib import Path
 
 import pytest
 
 from tests.support.project import ROOT
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.hashes import describe, rihs01
+from thbridge.ros2.interface_texts import JAZZY_TEXTS
 from thbridge.ros2.interfaces import messages_in, parsed
 
 ROS2 = ROOT / ".peers" / "ros2"
@@ -68,3 +71,23 @@ def test_packages_without_wheels_have_the_hashes_that_rosidl_computed(package: s
     hashes = [tuple(theirs["type_hashes"][0].values()) for theirs in described(package)]
     assert hashes
     assert [(name, kilted.message(name).hash) for name, _ in hashes] == hashes
+
+
+def test_the_types_of_jazzy_have_the_hashes_that_rosidl_computes(tmp_path: Path) -> None:
+    for name, text in JAZZY_TEXTS.items():
+        package, kind, word = name.split("/")
+        if package == "nav2_msgs":
+            (tmp_path / package / kind).mkdir(parents=True, exist_ok=True)
+            (tmp_path / package / kind / f"{word}.{kind}").write_text(text)
+    program = (
+        "import sys; from pathlib import Path; sys.path[0] = 'scripts/peers'; from ros2_interfaces import describe; "
+        "describe(Path(sys.argv[1]), Path(sys.argv[2]) / 'nav2_msgs')"
+    )
+    arguments = [ROS2 / "bin" / "python", "-c", program, tmp_path / "nav2_msgs", tmp_path / "out"]
+    subprocess.run(arguments, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    jazzy, compared = Distribution.of("jazzy"), 0
+    for file in (tmp_path / "out").rglob("*.json"):
+        name, theirs = json.loads(file.read_text())["type_hashes"][0].values()
+        assert jazzy.message(name).hash == theirs, name
+        compared += 1
+    assert compared > 40

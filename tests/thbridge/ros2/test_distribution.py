@@ -45,7 +45,6 @@ def test_the_distributions_differ_in_the_documented_types() -> None:
             differing.add(name)
     assert differing == {
         "nav2_msgs/action/FollowWaypoints",
-        "nav2_msgs/action/NavigateThroughPoses",
         "nav2_msgs/msg/MissedWaypoint",
         "nav2_msgs/msg/WaypointStatus",
     }
