@@ -10,16 +10,23 @@ import pytest
 
 from sim.common.observations import TICK
 from sim.world.sensors import mount_of
+from tests.peers.mavlink.mavlink_hunter import Hunter
+from tests.peers.ros_programs import NEEDS_ROS, Ros
 from tests.support.programs.peer_programs import run_peer
-from tests.support.programs.ports import free_port
+from tests.support.programs.ports import free_port, free_udp_port
 from tests.support.programs.processes import Program, until
 from tests.support.project import ROOT
+from thbridge.app.compose.game import build_briefing
+from thbridge.app.compose.setting import read_setting
 from thbridge.recording.bag.reading.reader import recorded
+from thbridge.ros import names
+from thbridge.ros.messages import unpack
 from thbridge.ros.publisher import TeamPublisher
 from thbridge.ros.topics import RosMessage
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.topics import SessionTopics
 from thbridge.study.built_in import STANDARD
+from thbridge.study.study_file import load_study
 
 ROS2 = ROOT / ".peers" / "ros2"
 PYTHON = ROS2 / "bin" / "python"
@@ -130,3 +137,47 @@ def kilted_study(folder: Path) -> str:
     """Write a study for this distribution, and return its name."""
     (folder / "study.yaml").write_text("ros2: {distribution: kilted}\n")
     return "study.yaml"
+
+
+@pytest.mark.slow
+@NEEDS_ROS
+def test_a_replay_repeats_a_session_with_all_kinds_of_clients_at_once(tmp_path: Path) -> None:
+    (tmp_path / "study.yaml").write_text("robots: 3\nros2: {distribution: kilted}\nmavlink: {lost_after: 60}\n")
+    setting = read_setting(load_study(tmp_path / "study.yaml").value, tmp_path)
+    goals = {number: (room.goal.x, room.goal.y) for number, room in enumerate(setting.map.rooms, 1)}
+    station_port, watch_port, master_port = free_udp_port(), free_port(), free_port()
+    session = Program(
+        tmp_path, "play", "study.yaml", "--headless", "--outside", "TabUI", "--port", "0", "--bag", "run.bag",
+        "--no-report", "--rate", "1", "--ros", "--ros-master", f"http://127.0.0.1:{master_port}", "--ros2",
+        "--ros2-domain", DOMAIN, "--mavlink", "--udp", f"127.0.0.1:{station_port}", "--watch", str(watch_port),
+        "--foxglove", "0",
+    )  # fmt: skip
+    programs = [session]
+    try:
+        until("the session to join", lambda: "ROS 2:" in session.text and "Foxglove" in session.text, programs)
+        windows = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
+        programs.append(Program(tmp_path, "watch", f"127.0.0.1:{watch_port}", environment=windows))
+        ros = Ros(master_port, tmp_path)
+        with Hunter(station_port, goals, build_briefing(setting).names) as station:
+            station.lead(3, (5, 2))
+            command = ("/robot3/cmd_vel", "geometry_msgs/Twist", "{angular: {z: 0.4}}")
+            with ros.running("rostopic", "pub", "-r", "5", *command):
+                done = run_peer([PYTHON, FOLDER / "session_client.py"], env=environment(), timeout=240.0)
+        session.stop()
+    finally:
+        for program in programs:
+            program.close()
+    assert done.returncode == 0, done.stderr + session.text
+    inputs = [
+        unpack.outside_input(bytes(data))
+        for connection, _, data in recorded(tmp_path / "run.bag")
+        if connection.topic == names.INPUTS
+    ]
+    senders = {record.sender for record in inputs}
+    assert "/session_client" in senders
+    assert any(sender.startswith("/rostopic") for sender in senders)
+    assert "framed" in {record.kind for record in inputs}
+    replayed = Program(tmp_path, "replay", "run.bag")
+    assert replayed.process.wait(120) == 0, replayed.text
+    assert "the same, bit for bit" in replayed.text
+    replayed.close()
