@@ -28,7 +28,7 @@ from thbridge.files.errors import BadFile
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.journal import journal_path, read_journal
-from thbridge.recording.recordings import ACTIVE
+from thbridge.recording.recordings import ACTIVE, is_folder, journal_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(3600)]
 
@@ -43,15 +43,21 @@ def play(folder: Path, bag: Path, compression: str, split: bool, rate: float) ->
         )
 
 
+@pytest.fixture(scope="module", params=["a.bag", "a.mcap", "a"])
+def name(request: pytest.FixtureRequest) -> str:
+    """Name of the recording, which decides its format."""
+    return request.param
+
+
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[int, Said], list[tuple[int, str]]]:
+def whole(tmp_path_factory: pytest.TempPathFactory, name: str) -> tuple[dict[int, Said], list[tuple[int, str]]]:
     """The hunt that nobody interrupts: what is said at each stamp, and the events with theirs."""
     folder = tmp_path_factory.mktemp("whole")
-    process = play(folder, folder / "a.bag", "none", False, 0)
+    process = play(folder, folder / name, "none", False, 0)
     assert process.wait(PATIENCE) == 0
-    events = read_journal(journal_path(folder / "a.journal", 1))
+    events = read_journal(journal_path(journal_of(folder / name), 1))
     assert len(events.events) > 10
-    return by_stamp(folder / "a.bag"), events_of(folder / "a.bag")
+    return by_stamp(folder / name), events_of(folder / name)
 
 
 def events_of(bag: Path) -> list[tuple[int, str]]:
@@ -65,18 +71,18 @@ def events_in(journal: Path) -> list[str]:
 
 
 def cut_and_recover(
-    folder: Path, disk: ForgettingDisk, whole: tuple[dict[int, Said], list[tuple[int, str]]], case: int
+    folder: Path, disk: ForgettingDisk, whole: tuple[dict[int, Said], list[tuple[int, str]]], case: int, name: str
 ) -> tuple[str, float]:
     """Play, cut the power at some change, recover; what was tried, and the seconds lost in the worst outcome."""
     chance = random.Random(case)
-    compression = ("none", "lz4", "bz2")[case % 3]
+    compression = ("none", "lz4", "bz2" if name == "a.bag" else "zstd")[case % 3]
     split = case // 3 % 2 == 1
     rate, most = ((0, 220), (1, 40))[case // 6 % 2]
     disk.fresh()
     # Long after the folder was made.
     (disk.folder / "recordings").mkdir()
     disk.settle()
-    bag = disk.folder / "recordings" / "a.bag"
+    bag = disk.folder / "recordings" / name
     disk.cut_after(chance.randrange(1, most))
     process = play(folder, bag, compression, split, rate)
     stopped = disk.wait(process)
@@ -91,15 +97,15 @@ def cut_and_recover(
     worst = 0.0
     for outcome in (None, *(chance.randrange(1000) for _ in range(3))):
         disk.cut(seed=outcome)
-        for path in bag.parent.glob(f"a*{ACTIVE}"):
+        for path in [bag] if is_folder(bag) else [*bag.parent.glob(f"a*{ACTIVE}")]:
             # The head of a part that has just begun may be lost: then nothing is counted as saved of it.
             with contextlib.suppress(BadFile):
                 reindex(path)
         lost = lost_seconds(bag, whole[0], done, at)
         worst = max(worst, lost)
-        check_journal(bag.with_name("a.journal"), whole[1], max(done, default=0))
+        check_journal(journal_of(bag), whole[1], max(done, default=0))
     # Another recording of the name begins, and none is lost for it.
-    before = sorted(path.stat().st_size for path in bag.parent.glob("*.bag"))
+    before = sizes_of_recordings(bag.parent)
     again = subprocess.run(
         [*THBRIDGE, "play", "--port", "0", "--rate", "0", "--bag", str(bag), "--max-seconds", "2", "--no-report"],
         cwd=folder,
@@ -109,10 +115,14 @@ def cut_and_recover(
     )
     assert "Traceback" not in again.stderr + again.stdout
     assert bag.exists(), again.stderr + again.stdout
-    after = sorted(path.stat().st_size for path in bag.parent.glob("*.bag"))
+    after = sizes_of_recordings(bag.parent)
     assert len(after) == len(before) + 1
     assert all(size in after for size in before)
     return f"{compression}{', split' if split else ''}, rate {rate}", worst
+
+
+def sizes_of_recordings(folder: Path) -> list[int]:
+    return sorted(path.stat().st_size for path in folder.rglob("*") if path.suffix in {".bag", ".mcap"})
 
 
 def check_journal(folder: Path, said: list[tuple[int, str]], tick: int) -> None:
@@ -128,15 +138,15 @@ def check_journal(folder: Path, said: list[tuple[int, str]], tick: int) -> None:
         assert event in known, event
 
 
-def test_at_most_a_second_is_lost_at_a_power_cut(tmp_path, disk, whole, capsys):
+def test_at_most_a_second_is_lost_at_a_power_cut(tmp_path, disk, name, whole, capsys):
     losses = defaultdict(list)
     for case in range(14):
         folder = tmp_path / str(case)
         folder.mkdir()
-        told, lost = cut_and_recover(folder, disk, whole, case)
+        told, lost = cut_and_recover(folder, disk, whole, case, name)
         losses[told].append(lost)
     with capsys.disabled():
-        print()
+        print(f"\n{name}")
         for told, cases_ in losses.items():
             print(f"{told}: {len(cases_)} power cuts, at most {max(cases_):.2f} s lost")
     assert max(lost for each in losses.values() for lost in each) <= 1.0

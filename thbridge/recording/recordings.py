@@ -175,7 +175,7 @@ def _is_taken(bag: Path, stem: str) -> bool:
 def files_in(folder: Path, ending: str) -> list[tuple[int, Path]]:
     """Return the files `STEM_NUMBER` with this ending in a folder, with their numbers, in order; none if stems differ.
 
-    The stem is the folder's name, unless somebody has renamed the folder.
+    The stem is the folder's name, unless the folder was renamed.
     """
     pattern = re.compile(rf"(.+)_(0|[1-9][0-9]*){re.escape(ending)}")
     files = folder.iterdir() if folder.is_dir() else ()

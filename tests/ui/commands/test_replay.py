@@ -119,7 +119,7 @@ def test_the_recorded_study_names_who_played() -> None:
         (["--with", "robots=50"], "there are start poses for"),
         (["--with", "map=./nowhere"], "nowhere"),
         (["--with", "none.yaml"], "none.yaml"),
-        (["--to", "bag"], "--to: bag is not the name of a bag"),
+        (["--to", "bag.txt"], "--to: bag.txt is not the name of a recording"),
     ],
 )
 def test_bad_input_is_refused(hunt: Path, arguments: list[str], message: str) -> None:

@@ -118,7 +118,7 @@ def _converted(path: Path, unchanged: bool, _mtime_ns: int, _size: int) -> Conve
             remedy = "free space in the folder of temporary files (TMPDIR)"
             problem = f"there is no space for the converted bag ({reason_of(error)})"
             raise BadFile(path, problem, remedy) from error
-        remedy = "try `ros2 bag reindex` or `mcap recover`, or name another recording"
+        remedy = "try `thbridge bag reindex`, `ros2 bag reindex` or `mcap recover`, or name another recording"
         raise BadFile(path, f"it cannot be read: {_sentence(error)}", remedy) from error
     return ConvertedRecording(bag, "a ROS 2 recording", left_out, is_cdr=True)
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from thbridge.recording.bag.records import BagConnection
-from thbridge.recording.bag.writing.message_layouts import ROS1, TIME, MessageLayout
+from thbridge.recording.bag.writing.message_layouts import ROS1, TIME, RecordLayout
 
 CHUNK_BYTES = 768 * 1024
 CHUNK_NS = 1_000_000_000
@@ -59,7 +59,7 @@ class ChunkBuilder:
         size: bytes of the collected messages' records.
     """
 
-    def __init__(self, layout: MessageLayout = ROS1) -> None:
+    def __init__(self, layout: RecordLayout = ROS1) -> None:
         self._layout = layout
         self._before: Counter[BagConnection] = Counter()
         self._begin()

@@ -16,7 +16,7 @@ from thbridge.recording.bag.records import (
     index_record,
 )
 from thbridge.recording.bag.writing.chunks import Chunk
-from thbridge.recording.bag.writing.message_layouts import MCAP, ROS1, MessageLayout
+from thbridge.recording.bag.writing.message_layouts import MCAP, ROS1, RecordLayout
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class BagFormat(Protocol):
         first_number: smallest number of a connection.
     """
 
-    layout: MessageLayout
+    layout: RecordLayout
     beginning: bytes
     tail: bytes
     first_number: int

@@ -17,7 +17,7 @@ _MCAP_COUNTED = len(_MCAP_HEAD) - 9
 """Bytes that the size of an MCAP record counts in addition to the message."""
 
 
-class MessageLayout:
+class RecordLayout:
     """Layout of message records.
 
     Args:
@@ -78,7 +78,7 @@ class MessageLayout:
         return heads
 
 
-ROS1 = MessageLayout(
+ROS1 = RecordLayout(
     _ROS1_HEAD,
     {
         "connection": ("<u4", _ROS1_HEAD.index(b"conn=") + 5),
@@ -89,7 +89,7 @@ ROS1 = MessageLayout(
     time_bytes,
     counted=0,
 )
-MCAP = MessageLayout(
+MCAP = RecordLayout(
     _MCAP_HEAD,
     {
         "size": ("<u8", 1),
