@@ -4,7 +4,7 @@ import pytest
 
 from tests.peers.ros2.peer_messages import GRID, STRING, grid, string, text_of
 from tests.peers.ros2.peer_process import DOMAIN, joined, needs_ros2, peer, until, with_timeout
-from thbridge.ros2.qos import DEFAULT, LATCHED, SENSOR_DATA, QosProfile
+from thbridge.ros2.qos import DEFAULT, LATCHED, SENSOR_DATA
 from thbridge.ros2graph.sockets.dds import DdsCarrier
 from thbridge.ros2graph.values.graph import NodeName
 
@@ -123,20 +123,3 @@ async def test_cyclone_hears_us_and_we_hear_cyclone(quality: str) -> None:
         first = (await other.event("message", topic="/chatter"))["text"]
         for at in range(int(first.split()[1]) + 1, int(first.split()[1]) + 11):
             assert (await other.event("message", topic="/chatter"))["text"] == f"hello {at}"
-
-
-@with_timeout
-async def test_two_carriers_hear_each_other() -> None:
-    heard: list[bytes] = []
-    first, second = DdsCarrier(DOMAIN), DdsCarrier(DOMAIN)
-    writer = first.publish(OURS, "/large", GRID, QosProfile(3))
-    second.subscribe(NodeName("/", "second"), "/large", GRID, DEFAULT, lambda data, gid: heard.append(data))
-    async with joined(first), joined(second):
-        await until(lambda: writer.readers == 1, "the subscription is known")
-        for width in (3, 300, 900):
-            writer.write(grid(width, width))
-        await until(lambda: len(heard) == 3, "all messages came")
-        # CDR is padded to 4 bytes on the wire.
-        assert [data[: len(grid(width, width))] for data, width in zip(heard, (3, 300, 900), strict=True)] == [
-            grid(width, width) for width in (3, 300, 900)
-        ]

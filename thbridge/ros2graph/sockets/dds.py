@@ -92,7 +92,7 @@ class DdsCarrier:
         return None
 
     async def stop(self) -> None:
-        """Leave the graph, and tell the other programs."""
+        """Leave the graph, and announce it to the other programs."""
         if self._loop is not None:
             self._participant.leave()
             self._send()
@@ -144,8 +144,6 @@ class DdsCarrier:
             raise ValueError(f"domain {self._domain} is not in the range 0 to {ports.LARGEST_DOMAIN}")
         if ipaddress.ip_address(self._interface).version != 4:
             raise ValueError("the interface needs an IPv4 address")
-        if not ports.is_loopback(self._interface):
-            self._sockets.append(self._multicast_socket())
         for participant in range(ports.PARTICIPANT_IDS):
             port = ports.metatraffic_port(self._domain, participant)
             opened: list[socket.socket] = []
@@ -162,6 +160,7 @@ class DdsCarrier:
             if not ports.is_loopback(self._interface):
                 host = socket.inet_aton(self._interface)
                 opened[-1].setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, host)
+                self._sockets.insert(0, self._multicast_socket())
             return participant
         raise OSError(errno.EADDRINUSE, os.strerror(errno.EADDRINUSE))
 

@@ -1,4 +1,4 @@
-"""Which response belongs to which request, in the two styles of ROS 2 on DDS.
+"""Correlation of responses with requests, in the two styles of ROS 2 on DDS.
 
 rmw_fastrtps names the request in the inline quality of service: its sequence number, and the GUID of the client's
 reader (a client sends this GUID with the request) or writer. rmw_cyclonedds puts 16 bytes after the CDR header of both

@@ -191,7 +191,7 @@ class EndpointData:
             Durability.TRANSIENT_LOCAL if durability else Durability.VOLATILE,
             lifespan_ns,
         )
-        return cls(guid, topic, type_name, qos, user_data, addresses)
+        return cls(guid, topic, type_name, qos, user_data, tuple(addresses))
 
 
 def disposal(guid: Guid) -> tuple[bytes, bytes]:

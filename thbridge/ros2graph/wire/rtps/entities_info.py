@@ -1,4 +1,4 @@
-"""Which endpoints belong to which node: messages on `ros_discovery_info`.
+"""Lists of the endpoints of each node: messages on `ros_discovery_info`.
 
 Source: rmw_dds_common/msg/ParticipantEntitiesInfo, NodeEntitiesInfo and Gid (16 bytes since Iron).
 """

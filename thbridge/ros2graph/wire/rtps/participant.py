@@ -32,8 +32,8 @@ from thbridge.ros2graph.wire.rtps.submessages import (
     Data,
     DataFragment,
     FragmentRequest,
-    Gap,
     Heartbeat,
+    SampleGap,
     Submessage,
     decode_datagram,
     encode_data,
@@ -313,12 +313,13 @@ class RtpsParticipant:
                     reader.on_fragment(message)
                 case Heartbeat():
                     reader.on_heartbeat(message)
-                case Gap():
+                case SampleGap():
                     reader.on_gap(message)
 
     def _on_participant(self, message: Data, source: str, now_ns: int) -> None:
         if is_disposed(message.inline):
-            self._lose(disposed_guid(message.inline, message.payload)[:PREFIX_SIZE])
+            if disposed_guid(message.inline, message.payload)[:PREFIX_SIZE] == message.writer[:PREFIX_SIZE]:
+                self._lose(message.writer[:PREFIX_SIZE])
             return
         data = ParticipantData.decode(message.payload)
         prefix = data.guid[:PREFIX_SIZE]

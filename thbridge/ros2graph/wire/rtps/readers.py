@@ -17,8 +17,8 @@ from thbridge.ros2graph.wire.rtps.submessages import (
     MOST_BITS,
     Data,
     DataFragment,
-    Gap,
     Heartbeat,
+    SampleGap,
     encode_acknowledgment,
     encode_fragment_request,
 )
@@ -231,7 +231,7 @@ class RtpsReader:
         self._deliver(writer)
         self._acknowledge(writer, message.last, answer=not message.final)
 
-    def on_gap(self, message: Gap) -> None:
+    def on_gap(self, message: SampleGap) -> None:
         """Process a gap: do not wait for these samples."""
         writer = self._writers.get(message.writer)
         if writer is None or not writer.reliable or writer.next is None:

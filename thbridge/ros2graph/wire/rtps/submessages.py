@@ -120,7 +120,7 @@ class FragmentRequest:
 
 
 @dataclass(frozen=True, slots=True)
-class Gap:
+class SampleGap:
     """Samples that will not come: `first` to `base` - 1, and `others`."""
 
     writer: Guid
@@ -130,7 +130,9 @@ class Gap:
     others: Sequence[int]
 
 
-Submessage: TypeAlias = Data | DataFragment | Heartbeat | HeartbeatFragment | Acknowledgment | FragmentRequest | Gap
+Submessage: TypeAlias = (
+    Data | DataFragment | Heartbeat | HeartbeatFragment | Acknowledgment | FragmentRequest | SampleGap
+)
 
 
 def encode_header(prefix: bytes) -> bytes:
@@ -318,10 +320,10 @@ def _decode_fragment_request(body: bytes, prefix: bytes, flags: int, order: str)
     return FragmentRequest(prefix + body[:4], body[4:8], _sequence(body, 8, order), missing, count)
 
 
-def _decode_gap(body: bytes, prefix: bytes, flags: int, order: str) -> Gap:
+def _decode_gap(body: bytes, prefix: bytes, flags: int, order: str) -> SampleGap:
     first, base = _sequence(body, 8, order), _sequence(body, 16, order)
     others, _ = _set(body, 24, base, order)
-    return Gap(prefix + body[4:8], body[:4], first, base, others)
+    return SampleGap(prefix + body[4:8], body[:4], first, base, others)
 
 
 _DECODERS: dict[int, Callable[[bytes, bytes, int, str], Submessage]] = {

@@ -1,0 +1,110 @@
+"""The DDS carrier on real sockets, without programs of ROS 2."""
+
+import asyncio
+import os
+from collections.abc import Awaitable, Callable
+from contextlib import AsyncExitStack
+
+import pytest
+
+from thbridge.ros2.qos import DEFAULT, LATCHED
+from thbridge.ros2.supports import MessageSupport, ServiceSupport
+from thbridge.ros2graph.sockets.dds import DdsCarrier
+from thbridge.ros2graph.values.graph import EndpointRole, NodeName
+from thbridge.ros2graph.wire.rtps.ports import LARGEST_DOMAIN
+from thbridge.sockets.errors import CannotListen
+
+DOMAIN = 111 + os.getpid() % 100
+"""Domain of this process's tests, so that tests of other processes do not take part."""
+TIMEOUT = 30.0
+TEXT = MessageSupport("std_msgs/msg/String", "RIHS01_" + "1" * 64)
+ASK = ServiceSupport("a/srv/Ask", "", MessageSupport("a/srv/Ask_Request", ""), MessageSupport("a/srv/Ask_Response", ""))
+FIRST, SECOND = NodeName("/robot1", "first"), NodeName("/", "second")
+CDR = b"\x00\x01\x00\x00"
+
+
+async def until(happens: Callable[[], object]) -> None:
+    async with asyncio.timeout(TIMEOUT):
+        while not happens():
+            await asyncio.sleep(0.005)
+
+
+def run_with(test: Callable[[DdsCarrier, DdsCarrier], Awaitable[None]]) -> None:
+    """Run a coroutine with two carriers of one domain. It starts them."""
+
+    async def run() -> None:
+        first, second = DdsCarrier(DOMAIN), DdsCarrier(DOMAIN)
+        async with AsyncExitStack() as stack:
+            stack.push_async_callback(first.stop)
+            stack.push_async_callback(second.stop)
+            await test(first, second)
+
+    asyncio.run(run())
+
+
+def test_messages_of_all_sizes_arrive() -> None:
+    async def test(first: DdsCarrier, second: DdsCarrier) -> None:
+        got: list[tuple[bytes, str]] = []
+        writer = first.publish(FIRST, "/text", TEXT, DEFAULT)
+        second.subscribe(SECOND, "/text", TEXT, DEFAULT, lambda data, gid: got.append((data, second.node_of(gid))))
+        assert await first.start() is await second.start() is None
+        await until(lambda: writer.readers == 1 and second.nodes())
+        sent = [CDR + bytes(size) for size in (4, 16_000, 1_000_000)]
+        for message in sent:
+            writer.write(message)
+        await until(lambda: len(got) == len(sent))
+        assert got == [(message, "/robot1/first") for message in sent]
+        assert writer.dropped == 0
+
+    run_with(test)
+
+
+def test_endpoints_are_added_and_seen_at_any_time() -> None:
+    async def test(first: DdsCarrier, second: DdsCarrier) -> None:
+        assert await first.start() is await second.start() is None
+        first.publish(FIRST, "/text", TEXT, LATCHED).write(CDR + b"late")
+        await until(lambda: second.nodes() == [FIRST])
+        await until(lambda: second.endpoints() and second.endpoints()[0].node == FIRST)
+        (seen,) = second.endpoints()
+        assert (seen.role, seen.name, seen.type, seen.hash) == (
+            (EndpointRole.PUBLISHER, "/text", TEXT.name, TEXT.hash)
+        )  # fmt: skip
+        assert seen.qos == LATCHED
+        got: list[bytes] = []
+        second.subscribe(SECOND, "/text", TEXT, LATCHED, lambda data, gid: got.append(data))
+        await until(lambda: got)
+        assert got == [CDR + b"late"]
+        await first.stop()
+        await until(lambda: not second.nodes())
+
+    run_with(test)
+
+
+def test_calls_get_their_own_responses() -> None:
+    async def test(first: DdsCarrier, second: DdsCarrier) -> None:
+        held: list[tuple[bytes, Callable[[bytes], None]]] = []
+        first.serve(FIRST, "/ask", ASK, lambda data, gid, reply: held.append((data, reply)))
+        clients = [second.client(SECOND, "/ask", ASK) for _ in range(2)]
+        assert await first.start() is await second.start() is None
+        await until(lambda: all(client.has_server for client in clients))
+        got: list[tuple[int, bytes]] = []
+        for number in range(3):
+            for at, client in enumerate(clients):
+                client.call(CDR + bytes([at, number, 0, 0]), lambda data, at=at: got.append((at, data[4:6])))
+        await until(lambda: len(held) == 6)
+        for data, reply in reversed(held):
+            reply(data)
+        await until(lambda: len(got) == 6)
+        assert sorted(got) == [(at, bytes([at, number])) for at in range(2) for number in range(3)]
+
+    run_with(test)
+
+
+@pytest.mark.parametrize(
+    ("domain", "interface", "reason"),
+    [(DOMAIN, "203.0.113.9", "assign"), (LARGEST_DOMAIN + 1, "127.0.0.1", "range"), (DOMAIN, "localhost", "IPv4")],
+)
+def test_a_carrier_that_cannot_join_says_why(domain: int, interface: str, reason: str) -> None:
+    failure = asyncio.run(DdsCarrier(domain, interface).start())
+    assert isinstance(failure, CannotListen)
+    assert reason in str(failure)

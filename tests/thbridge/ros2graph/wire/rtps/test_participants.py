@@ -1,0 +1,313 @@
+"""Participants of RTPS find each other and exchange samples, also over networks that lose and reorder datagrams."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.thbridge.ros2graph.wire.rtps.rtps_network import HOST, STAMP, RtpsNetwork
+from thbridge.ros2.qos import DEFAULT, LATCHED, SENSOR_DATA, QosProfile
+from thbridge.ros2graph.wire.rtps import participant as limits
+from thbridge.ros2graph.wire.rtps import readers
+from thbridge.ros2graph.wire.rtps.discovery import LEASE_NS, EndpointData, ParticipantData, disposal
+from thbridge.ros2graph.wire.rtps.guids import (
+    PARTICIPANT,
+    PUBLICATIONS_WRITER,
+    SPDP_WRITER,
+    SUBSCRIPTIONS_WRITER,
+    UNKNOWN,
+    reader_id,
+    writer_id,
+)
+from thbridge.ros2graph.wire.rtps.outbox import Destination, Outbox
+from thbridge.ros2graph.wire.rtps.parameters import UdpAddress
+from thbridge.ros2graph.wire.rtps.participant import RtpsParticipant
+from thbridge.ros2graph.wire.rtps.readers import HeldBytes, ReceivedSample, RtpsReader
+from thbridge.ros2graph.wire.rtps.submessages import (
+    DataFragment,
+    decode_datagram,
+    encode_data,
+    encode_fragments,
+    encode_header,
+    encode_heartbeat,
+)
+
+TOPIC = ("rt/chatter", "std_msgs::msg::dds_::String_")
+SEVERAL = 40
+DEEP = QosProfile(10 * SEVERAL)
+STRANGER = b"\x01\x0fstranger00"
+
+
+class Pair:
+    """A writer and a reader of one topic, in two participants."""
+
+    def __init__(self, network: RtpsNetwork, offered: QosProfile, wanted: QosProfile, size: int = 16_000) -> None:
+        self.network = network
+        self.first, self.second = network.join(0, size), network.join(1, size)
+        self.got: list[bytes] = []
+        self.writer = self.first.add_writer(*TOPIC, offered, b"", STAMP)
+        self.reader = self.second.add_reader(*TOPIC, wanted, b"", self.hear, STAMP)
+
+    def hear(self, sample: ReceivedSample) -> None:
+        self.got.append(sample.payload)
+
+    def write(self, payload: bytes) -> None:
+        self.first.write(self.writer, payload, STAMP + self.network.now_ns)
+
+    def meet(self) -> None:
+        self.network.run(lambda: bool(self.writer.readers and self.reader.writers))
+        self.network.settle()
+
+
+def payloads(count: int, size: int = 8) -> list[bytes]:
+    return [at.to_bytes(4, "little") * (size // 4) for at in range(1, count + 1)]
+
+
+@given(st.integers(0, 2**32), st.sampled_from([0.0, 0.1, 0.3]), st.sampled_from([8, 3000]))
+def test_reliable_samples_arrive_once_and_in_order(seed: int, loss: float, size: int) -> None:
+    network = RtpsNetwork(loss, seed)
+    pair = Pair(network, DEEP, DEEP, size=1400)
+    pair.meet()
+    for payload in payloads(SEVERAL, size):
+        pair.write(payload)
+        if payload[0] % 8 == 0:
+            network.tick()
+    network.run(lambda: len(pair.got) == SEVERAL)
+    for _ in range(100):
+        network.tick()
+    assert pair.got == payloads(SEVERAL, size)
+    assert pair.writer.dropped == 0
+    assert pair.second.held.held == 0
+    assert network.faults == []
+
+
+@given(st.integers(0, 2**32))
+def test_best_effort_samples_arrive_in_order_and_at_most_once(seed: int) -> None:
+    network = RtpsNetwork(0.3, seed)
+    pair = Pair(network, SENSOR_DATA, SENSOR_DATA, size=1400)
+    pair.meet()
+    for payload in payloads(SEVERAL, 3000):
+        pair.write(payload)
+        network.tick()
+    numbers = [int.from_bytes(each[:4], "little") for each in pair.got]
+    assert numbers == sorted(set(numbers))
+    assert set(pair.got) <= set(payloads(SEVERAL, 3000))
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.3])
+def test_late_readers_get_the_last_samples_of_a_latched_writer_only(loss: float) -> None:
+    network = RtpsNetwork(loss, seed=3)
+    pair = Pair(network, QosProfile(2, durability=LATCHED.durability), LATCHED)
+    for payload in payloads(5):
+        pair.write(payload)
+    volatile: list[ReceivedSample] = []
+    pair.second.add_reader(*TOPIC, DEFAULT, b"", volatile.append, STAMP)
+    network.run(lambda: len(pair.got) == 2)
+    assert pair.got == payloads(5)[3:]
+    pair.meet()
+    network.run(lambda: len(pair.writer.readers) == 2)
+    pair.write(b"live")
+    network.run(lambda: bool(volatile))
+    assert [each.payload for each in volatile] == [b"live"]
+
+
+def test_a_slow_reader_loses_old_samples_and_never_blocks_the_writer() -> None:
+    network = RtpsNetwork()
+    pair = Pair(network, DEFAULT, DEFAULT)
+    pair.meet()
+    network.leave(pair.second)
+    for payload in payloads(100):
+        pair.write(payload)
+    assert pair.writer.dropped == 100 - DEFAULT.depth
+
+
+def test_samples_above_their_lifespan_are_not_sent_again() -> None:
+    network = RtpsNetwork()
+    first = network.join(0)
+    writer = first.add_writer(*TOPIC, QosProfile(5, durability=LATCHED.durability, lifespan_ns=10**9), b"", STAMP)
+    first.write(writer, b"old.", STAMP - 2 * 10**9)
+    first.write(writer, b"new.", STAMP)
+    second, got = network.join(1), []
+    second.add_reader(*TOPIC, LATCHED, b"", lambda sample: got.append(sample.payload), STAMP)
+    network.run(lambda: bool(got))
+    assert got == [b"new."]
+
+
+@pytest.mark.parametrize(
+    ("offered", "wanted", "fits"),
+    [(DEFAULT, SENSOR_DATA, True), (SENSOR_DATA, DEFAULT, False), (LATCHED, DEFAULT, True), (DEFAULT, LATCHED, False)],
+)
+def test_endpoints_match_if_the_offer_satisfies_the_request(
+    offered: QosProfile, wanted: QosProfile, fits: bool
+) -> None:
+    network = RtpsNetwork()
+    pair = Pair(network, offered, wanted)
+    network.run(lambda: len(list(pair.first.endpoints())) == len(list(pair.second.endpoints())) == 1)
+    network.settle()
+    assert (bool(pair.writer.readers), bool(pair.reader.writers)) == (fits, fits)
+
+
+def test_endpoints_of_another_type_do_not_match() -> None:
+    network = RtpsNetwork()
+    pair = Pair(network, DEFAULT, DEFAULT)
+    pair.second.add_reader(TOPIC[0], "other::msg::dds_::Type_", DEFAULT, b"", pair.hear, STAMP)
+    pair.meet()
+    network.run(lambda: len(list(pair.first.endpoints())) == 2)
+    assert pair.writer.readers == [pair.reader.guid]
+
+
+def test_a_removed_endpoint_and_a_participant_that_leaves_are_forgotten_at_once() -> None:
+    network = RtpsNetwork()
+    pair = Pair(network, DEFAULT, DEFAULT)
+    pair.meet()
+    pair.second.remove(pair.reader, STAMP)
+    network.settle()
+    assert pair.writer.readers == list(pair.first.endpoints()) == []
+    pair.first.leave()
+    network.settle()
+    assert not pair.second.has_peer(pair.first.prefix)
+
+
+def test_a_silent_participant_is_forgotten_after_its_lease_and_a_restarted_one_is_found() -> None:
+    network = RtpsNetwork()
+    pair = Pair(network, DEFAULT, DEFAULT)
+    pair.meet()
+    network.leave(pair.second)
+    third, got = network.join(2), []
+    third.add_reader(*TOPIC, DEFAULT, b"", lambda sample: got.append(sample.payload), STAMP)
+    network.run(lambda: len(pair.writer.readers) == 2)
+    pair.write(b"both")
+    network.run(lambda: got == [b"both"])
+    start_ns = network.now_ns
+    network.run(lambda: len(pair.writer.readers) == 1)
+    assert network.now_ns - start_ns <= LEASE_NS
+    assert not pair.first.has_peer(pair.second.prefix)
+
+
+def test_a_thousand_endpoints_need_few_datagrams() -> None:
+    network = RtpsNetwork()
+    first, second = network.join(0), network.join(1)
+    for at in range(1000):
+        first.add_writer(f"rt/topic{at}", TOPIC[1], DEFAULT, bytes(80), STAMP)
+    sent = 0
+    for _ in range(100):
+        network.now_ns += limits.TICK_NS
+        for one, other in ((first, second), (second, first)):
+            one.tick(network.now_ns)
+            for _, datagram in one.drain():
+                sent += datagram[20:21] != b"\x09"  # Announcements to ports without participant begin with a time.
+                other.receive(datagram, HOST, network.now_ns, STAMP)
+    assert len(list(second.endpoints())) == 1000
+    assert sent < 100
+
+
+def test_directed_samples_reach_only_their_participants() -> None:
+    network = RtpsNetwork()
+    pair = Pair(network, DEFAULT, DEFAULT)
+    third, got = network.join(2), []
+    third.add_reader(*TOPIC, DEFAULT, b"", lambda sample: got.append(sample.payload), STAMP)
+    network.run(lambda: len(pair.writer.readers) == 2)
+    network.settle()
+    pair.first.write(pair.writer, b"one.", STAMP, only=frozenset({third.prefix}))
+    pair.first.write(pair.writer, b"all.", STAMP)
+    network.run(lambda: len(got) == 2)
+    assert (got, pair.got) == ([b"one.", b"all."], [b"all."])
+
+
+# Untrusted datagrams.
+
+
+def announced(prefix: bytes, port: int = 9999) -> bytes:
+    """A datagram of a participant that announces itself."""
+    address = [UdpAddress(HOST, port)]
+    data = ParticipantData(prefix + PARTICIPANT, b"\x01\x0f", address, address, 10**9, b"")
+    return encode_header(prefix) + encode_data(SPDP_WRITER, 1, data.encode(), 0)
+
+
+def alone() -> RtpsParticipant:
+    """A participant, with a reader that has heard of a stranger's writer."""
+    participant = RtpsNetwork().join(0)
+    participant.add_reader(*TOPIC, DEFAULT, b"", lambda sample: None, STAMP)
+    assert participant.receive(announced(STRANGER), HOST, 0, STAMP) is None
+    endpoint = EndpointData(STRANGER + writer_id(1), *TOPIC, DEFAULT, b"")
+    heartbeat = encode_heartbeat(UNKNOWN, PUBLICATIONS_WRITER, 1, 1, 1, final=True)
+    data = encode_data(PUBLICATIONS_WRITER, 1, endpoint.encode(), 0)
+    assert participant.receive(encode_header(STRANGER) + heartbeat + data, HOST, 0, STAMP) is None
+    assert participant.endpoint(endpoint.guid) == endpoint
+    return participant
+
+
+@given(st.data())
+def test_damaged_datagrams_never_raise(data: st.DataObject) -> None:
+    participant = alone()
+    writer = writer_id(1)
+    datagram = bytearray(
+        encode_header(STRANGER)
+        + encode_heartbeat(UNKNOWN, writer, 1, 9, 1, final=False)
+        + encode_data(writer, 1, b"hello", STAMP)
+        + b"".join(encode_fragments(writer, 2, bytes(50), STAMP, 20))
+        + encode_data(SPDP_WRITER, 2, disposal(STRANGER + PARTICIPANT)[1], 0, disposal(STRANGER + PARTICIPANT)[0])
+    )
+    for _ in range(data.draw(st.integers(1, 6))):
+        datagram[data.draw(st.integers(20, len(datagram) - 1))] = data.draw(st.integers(0, 255))
+    cut = data.draw(st.integers(0, len(datagram)))
+    participant.receive(bytes(datagram[:cut]), HOST, 0, STAMP)
+    participant.receive(bytes(datagram), HOST, 0, STAMP)
+    participant.receive(data.draw(st.binary(max_size=100)), HOST, 0, STAMP)
+    participant.tick(1)
+    for outgoing in participant.drain():
+        assert len(outgoing.datagram) < 65_000
+
+
+def test_the_number_of_participants_is_limited() -> None:
+    participant = RtpsNetwork().join(0)
+    faults = [
+        participant.receive(announced(b"peer" + at.to_bytes(8, "big")), HOST, 0, STAMP)
+        for at in range(limits.MOST_PEERS + 1)
+    ]
+    assert faults[:-1] == [None] * limits.MOST_PEERS
+    assert "more than" in (faults[-1] or "")
+
+
+def test_the_number_of_endpoints_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(limits, "MOST_ENDPOINTS", 5)
+    participant = alone()
+    for at in range(2, 10):
+        endpoint = EndpointData(STRANGER + reader_id(at), *TOPIC, DEFAULT, b"")
+        heartbeat = encode_heartbeat(UNKNOWN, SUBSCRIPTIONS_WRITER, 1, at - 1, at, final=True)
+        data = encode_data(SUBSCRIPTIONS_WRITER, at - 1, endpoint.encode(), 0)
+        fault = participant.receive(encode_header(STRANGER) + heartbeat + data, HOST, 0, STAMP)
+    assert len(list(participant.endpoints())) == 5
+    assert "more than 5" in (fault or "")
+
+
+def test_a_participant_cannot_announce_endpoints_of_another_one() -> None:
+    participant = alone()
+    endpoint = EndpointData(b"another peer" + writer_id(7), *TOPIC, DEFAULT, b"")
+    data = encode_data(PUBLICATIONS_WRITER, 2, endpoint.encode(), 0)
+    assert "another participant" in (participant.receive(encode_header(STRANGER) + data, HOST, 0, STAMP) or "")
+
+
+def test_bytes_that_wait_are_limited() -> None:
+    held = HeldBytes(limit=1000)
+    reader = RtpsReader(bytes(12) + reader_id(1), SENSOR_DATA, Outbox(1000), held, lambda sample: None)
+    writers = [STRANGER + writer_id(at) for at in range(1, 60)]
+    for writer in writers:
+        reader.match(writer, SENSOR_DATA, Destination(UdpAddress(HOST, 1), bytes(12)), 1)
+        pieces = encode_fragments(writer[-4:], 1, bytes(100), STAMP, 30)[:-1]
+        for each in decode_datagram(encode_header(STRANGER) + b"".join(pieces), bytes(12))[2]:
+            assert isinstance(each, DataFragment)
+            reader.on_fragment(each)
+        assert held.held <= 1000
+    assert held.held > 900
+    for writer in writers:
+        reader.unmatch(writer)
+    assert held.held == 0
+
+
+def test_samples_that_are_too_large_are_not_assembled() -> None:
+    participant = alone()
+    (fragment,) = encode_fragments(writer_id(1), 1, bytes(10), STAMP, 10)
+    size_at = len(fragment) - 12 - 4
+    huge = fragment[:size_at] + (readers.LARGEST_SAMPLE + 1).to_bytes(4, "little") + fragment[size_at + 4 :]
+    participant.receive(encode_header(STRANGER) + huge, HOST, 0, STAMP)
+    assert participant.held.held == 0
