@@ -6,6 +6,7 @@ CDR is XCDR version 1, little endian, with its header of 4 bytes. Values are mes
 import struct
 from collections.abc import Callable
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from rosbags.interfaces import Nodetype
@@ -18,7 +19,7 @@ from rosbags.typesys.msg import normalize_msgtype
 from thbridge.ros.messages import types as ros1_types
 from thbridge.ros2.hashes import FullDescription, describe, rihs01
 from thbridge.ros2.interface_texts import DEFAULTS, JAZZY_TEXTS, KILTED_TEXTS
-from thbridge.ros2.interfaces import MessageDefinition, messages_in, parsed
+from thbridge.ros2.interfaces import MessageDefinition, messages_in, parsed, written
 from thbridge.ros2.message_copies import MessageCopy
 from thbridge.ros2.supports import ActionSupport, MessageSupport, ServiceSupport
 
@@ -27,6 +28,24 @@ DISTRIBUTIONS = {"jazzy": (Stores.ROS2_JAZZY, JAZZY_TEXTS), "kilted": (Stores.RO
 
 _MALFORMED = (SerdeError, ValueError, LookupError, ArithmeticError, MemoryError, AssertionError, struct.error)
 """Errors that rosbags raises for bytes that are not a message of the type."""
+
+
+IMPLICIT = "implicit"
+"""Encoding of the source of a type that follows from a service or action."""
+
+
+class TypeSource(NamedTuple):
+    """Source text of a type (type_description_interfaces/msg/TypeSource).
+
+    Attributes:
+        type_name: for example "nav_msgs/msg/Odometry".
+        encoding: "msg", "srv" or "action"; or "implicit", without a text, for a part of a service or action.
+        raw_file_contents: the text.
+    """
+
+    type_name: str
+    encoding: str
+    raw_file_contents: str
 
 
 class Distribution:
@@ -78,6 +97,11 @@ class Distribution:
     def description(self, name: str) -> FullDescription:
         """Return the description of a message, service or action type."""
         return describe(name, self.definition)
+
+    def sources(self, name: str) -> list[TypeSource]:
+        """Return the definition of a type, then those of all types within it. They have no comments."""
+        within = self.description(name)["referenced_type_descriptions"]
+        return [self._source(each) for each in (name, *(described["type_name"] for described in within))]
 
     def constant(self, name: str, constant: str) -> bool | int | float | str:
         """Return the value of a constant of a message type."""
@@ -153,6 +177,13 @@ class Distribution:
                 constants, fields = self._store.fielddefs[name]
                 self._definitions[name] = MessageDefinition(list(constants), fields, DEFAULTS.get(name, {}))
         return self._definitions[name]
+
+    def _source(self, name: str) -> TypeSource:
+        if name in DISTRIBUTIONS[self.name][1]:
+            return TypeSource(name, name.split("/")[1], DISTRIBUTIONS[self.name][1][name])
+        if name in self._texts:
+            return TypeSource(name, IMPLICIT, "")
+        return TypeSource(name, "msg", written(self.definition(name)))
 
     def _register(self, name: str) -> None:
         """Create the classes of a message type and of all types within it."""

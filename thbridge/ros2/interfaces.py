@@ -109,6 +109,28 @@ def parsed(name: str, text: str) -> MessageDefinition:
     return MessageDefinition(constants, fields, defaults)
 
 
+def written(definition: MessageDefinition) -> str:
+    """Return the text of a definition, from which `parsed` reads the same definition."""
+    lines = [f"{kind} {name}={value}" for name, kind, value in definition.constants]
+    for name, kind in definition.fields:
+        default = definition.defaults.get(name, "")
+        lines.append(f"{_written_type(kind)} {name} {default}".strip())
+    return "".join(f"{line}\n" for line in lines if line != _NO_FIELD)
+
+
+def _written_type(kind: FieldDesc) -> str:
+    match kind:
+        case (Nodetype.NAME, str(name)):
+            return name.replace("/msg/", "/")
+        case (Nodetype.BASE, (str(name), int(limit))):
+            return f"{name}<={limit}" if limit else name
+        case (Nodetype.ARRAY, (element, int(size))):
+            return f"{_written_type(element)}[{size}]"
+        case (_, (element, int(size))):
+            return f"{_written_type(element)}[{f'<={size}' if size else ''}]"
+    raise ValueError(kind)
+
+
 def _add(
     statement: str,
     package: str,

@@ -2,8 +2,7 @@
 
 Source: ros2/rcl, node.c (rcl_node_type_description_service_handle_request).
 
-Differs: a node describes all types that thbridge knows, also those that it does not use. There are no sources of
-types.
+Differs: a node describes all types that thbridge knows, also those that it does not use. Sources have no comments.
 """
 
 import re
@@ -23,6 +22,7 @@ _KINDS = ("msg", "srv", "action")
 class _Request(Protocol):
     type_name: str
     type_hash: str
+    include_type_sources: bool
 
 
 def answer_type_description(types: Distribution, request: bytes) -> bytes:
@@ -41,7 +41,9 @@ def answer_type_description(types: Distribution, request: bytes) -> bytes:
         type_description=_struct(types, description["type_description"]),
         referenced_type_descriptions=[_struct(types, each) for each in description["referenced_type_descriptions"]],
     )
-    return types.encode(name, types.make(name, successful=True, type_description=message))
+    sources = types.sources(asked.type_name) if asked.include_type_sources else []
+    listed = [types.make(f"{_MESSAGES}/TypeSource", **source._asdict()) for source in sources]
+    return types.encode(name, types.make(name, successful=True, type_description=message, type_sources=listed))
 
 
 def _described(types: Distribution, name: str, hash_: str) -> FullDescription | str:

@@ -1,6 +1,7 @@
 """Type descriptions and hashes are those that rosidl computed, for the types of rclpy's wheels and for our own."""
 
 import json
+import os
 import subprocess
 from pathlib import Path
 
@@ -91,3 +92,17 @@ def test_the_types_of_jazzy_have_the_hashes_that_rosidl_computes(tmp_path: Path)
         assert jazzy.message(name).hash == theirs, name
         compared += 1
     assert compared > 40
+
+
+def test_types_have_the_sources_that_a_node_of_rclpy_names() -> None:
+    kilted = Distribution.of("kilted")
+    names = ("nav_msgs/msg/Odometry", "std_srvs/srv/SetBool", "nav_msgs/srv/GetMap")
+    arguments = [argument for name in names for argument in (name, kilted.message(name).hash)]
+    domain = {"ROS_DOMAIN_ID": str(31 + os.getpid() % 10), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    command = [ROS2 / "bin" / "python", Path(__file__).with_name("rclpy_type_sources.py"), *arguments]
+    asked = subprocess.run(
+        command, env={**os.environ, **domain}, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert asked.returncode == 0, asked.stderr
+    for name, line in zip(names, asked.stdout.splitlines(), strict=True):
+        assert json.loads(line) == [list(source[:2]) for source in kilted.sources(name)]

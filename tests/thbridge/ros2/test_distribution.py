@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rosbags.typesys import Stores, get_typestore
 
 from thbridge.ros2.distribution import DISTRIBUTIONS, Distribution
-from thbridge.ros2.interfaces import messages_in
+from thbridge.ros2.interfaces import MessageDefinition, messages_in, parsed, written
 
 JAZZY, KILTED = Distribution.of("jazzy"), Distribution.of("kilted")
 GOAL = "nav2_msgs/action/NavigateToPose_SendGoal_Request"
@@ -104,3 +105,20 @@ def test_any_bytes_are_a_message_or_a_value_error(name: str, data: bytes, head: 
         return
     again = KILTED.encode(name, value)
     assert KILTED.encode(name, KILTED.decode(name, again)) == again
+
+
+def test_sources_of_an_action_are_those_of_a_node_of_rclpy() -> None:
+    sources = KILTED.sources("nav2_msgs/action/NavigateToPose")
+    assert sources[0].encoding == "action"
+    assert sources[0].raw_file_contents.count("---") == 2
+    encodings = {source.type_name: source.encoding for source in sources}
+    assert encodings["nav2_msgs/action/NavigateToPose_Goal"] == "implicit"
+    assert encodings["geometry_msgs/msg/Pose"] == "msg"
+    assert [source.raw_file_contents for source in sources if source.encoding == "implicit"] == [""] * 12
+
+
+def test_a_written_definition_is_read_as_the_same() -> None:
+    for name in get_typestore(Stores.ROS2_KILTED).fielddefs:
+        definition = KILTED.definition(name)
+        again = parsed(name, written(definition))
+        assert again == MessageDefinition(definition.constants, definition.fields, dict(definition.defaults)), name
