@@ -45,6 +45,7 @@ from thbridge.roles.shared.robot_requests import Pause, Resume, SetRate, Step
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.session_records import InputRecord
+from thbridge.ros2.distribution import Distribution
 from thbridge.rosgraph.wire.tcpros import FrameBuffer, decode_header
 from thbridge.rosgraph.wire.xmlrpc import decode_call, decode_response
 from thbridge.sockets.addresses import parse_address, parse_target
@@ -202,6 +203,51 @@ CALLS = (
 def _read_xmlrpc(data: bytes) -> None:
     decode_call(data)
     decode_response(data)
+
+
+ROS2_TYPES = {
+    "nav_msgs/msg/Odometry": "nav_msgs/Odometry",
+    "nav_msgs/msg/Path": "nav_msgs/Path",
+    "sensor_msgs/msg/LaserScan": "sensor_msgs/LaserScan",
+    "tf2_msgs/msg/TFMessage": "tf2_msgs/TFMessage",
+    "rcl_interfaces/srv/SetParameters_Request": None,
+    "nav2_msgs/action/NavigateToPose_SendGoal_Request": None,
+    "rmw_dds_common/msg/ParticipantEntitiesInfo": None,
+}
+"""Types of ROS 2 with their types of ROS 1; None if there is none."""
+
+
+@cache
+def _ros2_messages() -> tuple[bytes, ...]:
+    kilted = Distribution.of("kilted")
+    transform = kilted.make("geometry_msgs/msg/TransformStamped", child_frame_id="robot1/odom")
+    parameter = kilted.make("rcl_interfaces/msg/Parameter", name="use_sim_time")
+    filled: dict[str, dict[str, object]] = {
+        "nav_msgs/msg/Path": {"poses": [kilted.make("geometry_msgs/msg/PoseStamped")] * 3},
+        "sensor_msgs/msg/LaserScan": {"ranges": [1.0, 2.0]},
+        "tf2_msgs/msg/TFMessage": {"transforms": [transform, transform]},
+        "rcl_interfaces/srv/SetParameters_Request": {"parameters": [parameter]},
+    }
+    return tuple(
+        f"{name}\n".encode() + kilted.encode(name, kilted.make(name, **filled.get(name, {}))) for name in ROS2_TYPES
+    )
+
+
+def _read_ros2_message(data: bytes) -> None:
+    """Read a message of the type in the first line; other names stand for the first type."""
+    kilted = Distribution.of("kilted")
+    line, _, message = data.partition(b"\n")
+    name = next((known for known in ROS2_TYPES if known.encode() == line), next(iter(ROS2_TYPES)))
+    with suppress(ValueError):
+        kilted.decode(name, message)
+    ros1_type = ROS2_TYPES[name]
+    if ros1_type is not None:
+        _ros1_converter(name, ros1_type)(message)
+
+
+@cache
+def _ros1_converter(name: str, ros1_type: str) -> Callable[[bytes], bytes]:
+    return Distribution.of("kilted").to_ros1(name, ros1_type)
 
 
 def _headers() -> tuple[bytes, ...]:
@@ -376,6 +422,7 @@ MESSAGES = {
     "xml-rpc": MessageTarget(300, lambda: CALLS, _read_xmlrpc),
     "tcpros": MessageTarget(300, _headers, _read_header),
     "ros-messages": MessageTarget(300, _ros_messages, _unpack_message, (ValueError,)),
+    "ros2-messages": MessageTarget(300, _ros2_messages, _read_ros2_message, (ValueError,)),
     "mavlink": MessageTarget(150, _frames, _hear_frame),
     "datagrams": MessageTarget(300, _datagrams, _read_datagram),
     "inputs": MessageTarget(300, _input_records, _read_input, (ValueError,)),

@@ -105,7 +105,7 @@ class Distribution:
 
     def constant(self, name: str, constant: str) -> bool | int | float | str:
         """Return the value of a constant of a message type."""
-        return next(value for each, _, value in self.definition(name).constants if each == constant)
+        return {each: value for each, _, value in self.definition(name).constants}[constant]
 
     def make(self, name: str, /, **fields: object) -> object:
         """Return a message. Fields that are not given have their default values.
