@@ -1,0 +1,56 @@
+"""Robots that rclpy plays, commanded by our programs."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.peers.ros2.action_scripts import NEEDS_RCLPY, PYTHON, environment
+from tests.support.programs.processes import Program, journal, port_of, until
+from thbridge.recording.bag.reading import reader as bag_reader
+from thbridge.ros.messages import unpack
+
+pytestmark = [NEEDS_RCLPY, pytest.mark.slow]
+DOMAIN = 44
+STUDY = """\
+robots_from: ros2
+robots: 2
+ros2: {distribution: kilted, domain: 44}
+fleet: {robot: {odom_frame: odom, base_frame: base_link}}
+"""
+
+
+def test_a_whole_hunt_with_nav2_robots_of_rclpy(tmp_path: Path) -> None:
+    (tmp_path / "study.yaml").write_text(STUDY)
+    script = Path(__file__).with_name("nav2_robots.py")
+    field = subprocess.Popen([PYTHON, script, "2", "3.0"], env=environment(DOMAIN), stderr=sys.stderr)
+    server = Program(tmp_path, "server", "--port", "0")
+    programs = [server]
+    try:
+        at = f"127.0.0.1:{port_of(server, programs)}"
+        simr = Program(tmp_path, "simr", "--study", "study.yaml", "--server", at, "--bag", "real.bag")
+        programs.append(simr)
+        until("all robots to be found", lambda: "All robots have been found" in simr.text, programs)
+        programs.append(Program(tmp_path, "hider", "--server", at))
+        player = Program(tmp_path, "tabui", "--server", at, "--json")
+        programs.append(player)
+        until("the game to be over", lambda: player.process.poll() is not None, programs, 280.0)
+        assert json.loads(player.text.splitlines()[-1])["rooms_visited"] == 8
+        assert simr.stop() == 0
+    finally:
+        for program in programs:
+            program.close()
+        field.kill()
+        field.wait()
+    arrived = [event for event in journal(tmp_path) if event["event"] == "arrived"]
+    (failed,) = [event for event in journal(tmp_path) if event["event"] == "failed"]
+    assert failed["reason"] == "The map has no path there from where robot 1 believes it is."
+    results = [f"/robot{number}/navigate_to_pose/result" for number in (1, 2)]
+    ends = list(bag_reader.messages(tmp_path / "real.bag", results))
+    assert len(arrived) == 8
+    statuses = [unpack.move_base_result(end.data).status for end in ends]
+    assert sorted(statuses) == [3] * 8 + [4]
+    recorded = {topic.name: topic.messages for topic in bag_reader.info(tmp_path / "real.bag").topics}
+    assert all(recorded[f"/robot{number}/{word}"] > 50 for number in (1, 2) for word in ("odom", "tf", "amcl_pose"))
