@@ -10,7 +10,6 @@ from sim.common.observations import Twist
 from sim.inputs import CancelGoal, SendGoal
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, NoPath, NoPathReason
 from sim.robot.navigator.navigation import Navigation
-from sim.robot.navigator.recovery import RecoveryProgress
 from thbridge.ros.actionlib import ActionRequest, Feedback, GoalEnded, GoalSet, MoveBaseServer, StatusList
 from thbridge.ros.messages import pack
 from thbridge.ros.messages.records import CancelRequest, GoalRequest
@@ -18,7 +17,8 @@ from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import MAP_FRAME, RobotNames
 from thbridge.ros.topics import Planners, RobotTopics, RosMessage
 from thbridge.ros2.distribution import Distribution
-from thbridge.ros2.team_actions import TeamActions
+from thbridge.ros2.follow_waypoints import FollowWaypointsServer
+from thbridge.ros2.navigate_to_pose import NavigateToPoseServer
 
 HERE = Pose2(1.0, 2.0, 0.5)
 NO_POSES = np.empty((0, 3))
@@ -28,7 +28,8 @@ class DrivenRobot:
     """Robot 1 of a session with its action servers. Requests take effect in the next tick.
 
     Attributes:
-        actions: its action servers.
+        navigate: its action server navigate_to_pose.
+        waypoints: its action server follow_waypoints.
         tick: number of the next tick.
         goal: goal of its navigator.
         remaining: remaining length of its plan, meters.
@@ -38,7 +39,8 @@ class DrivenRobot:
     """
 
     def __init__(self, distribution: Distribution) -> None:
-        self.actions = TeamActions(1, distribution, count(), self._ask)
+        self.navigate = NavigateToPoseServer(0, distribution, count(), self._ask)
+        self.waypoints = FollowWaypointsServer(distribution, self.navigate)
         self.tick = 0
         self.goal: Goal | None = None
         self.remaining = 0.0
@@ -48,6 +50,7 @@ class DrivenRobot:
         self._server = MoveBaseServer(0)
         self._topics = RobotTopics(RobotNames.of(0), Planners())
         self._asked: list[ActionRequest] = []
+        self._recoveries_before = 0
         self._results: list[GoalResult] = []
 
     def _ask(self, client: str, request: GoalRequest | CancelRequest) -> None:
@@ -100,12 +103,12 @@ class DrivenRobot:
         command = Twist(self.speed, 0.0)
         empty = np.empty(0)
         navigation = Navigation(command, self.goal, "idle", NO_POSES, empty, NO_POSES, result, self.remaining)
-        self.actions.take(
-            self.tick,
-            self._published(None if dead else navigation),
-            [None if dead else navigation],
-            [RecoveryProgress(self.recoveries, ("",) * 99)],
-        )
+        begun = self.recoveries - (self._recoveries_before if self.recoveries >= self._recoveries_before else 0)
+        self._recoveries_before = self.recoveries
+        messages = self._published(None if dead else navigation)
+        own = [message for message in messages if message.topic.name in self.navigate.topics]
+        self.navigate.follow(self.tick, own, None if dead else navigation, begun)
+        self.waypoints.follow(self.tick)
         self.tick += 1
 
     def _published(self, navigation: Navigation | None) -> Sequence[RosMessage]:

@@ -25,12 +25,12 @@ def send(
     robot: DrivenRobot, goal: bytes, xs: Sequence[float], index: int = 0, loops: int = 0, kind: Distribution = KILTED
 ) -> None:
     message = waypoints_goal(kind, xs, index, loops)
-    assert robot.actions.follow_waypoints[0].receive_goal(goal, message, CLIENT) is not None
+    assert robot.waypoints.receive_goal(goal, message, CLIENT) is not None
 
 
 def following(*xs: float, loops: int = 0, kind: Distribution = KILTED, stop_on_failure: bool = True) -> DrivenRobot:
     robot = DrivenRobot(kind)
-    robot.actions.follow_waypoints[0].stop_on_failure = stop_on_failure
+    robot.waypoints.stop_on_failure = stop_on_failure
     robot.step()
     send(robot, A, xs, loops=loops, kind=kind)
     robot.step()
@@ -48,7 +48,7 @@ def arrive(robot: DrivenRobot) -> None:
 
 
 def result(robot: DrivenRobot, goal: bytes) -> tuple[ActionGoalState, Any]:
-    found = robot.actions.follow_waypoints[0].goals.result(goal)
+    found = robot.waypoints.goals.result(goal)
     assert found is not None
     return found.state, found.value
 
@@ -79,7 +79,7 @@ def test_feedback_has_the_present_waypoint() -> None:
     robot.step(5)
     arrive(robot)
     robot.step(5)
-    feedback = robot.actions.follow_waypoints[0].take_feedback()
+    feedback = robot.waypoints.take_feedback()
     assert [(goal, message.current_waypoint) for goal, message in feedback] == [(A, 0), (A, 1)]
 
 
@@ -122,7 +122,7 @@ def test_a_goal_of_another_client_makes_the_robot_miss_the_waypoint() -> None:
 @pytest.mark.parametrize("canceled", [A, NO_ID])
 def test_cancel_ends_the_goal_and_stops_the_robot(canceled: bytes) -> None:
     robot = following(1.0, 2.0)
-    answer = robot.actions.follow_waypoints[0].receive_cancel(canceled, 0, CLIENT)
+    answer = robot.waypoints.receive_cancel(canceled, 0, CLIENT)
     assert (answer.code, [goal.id for goal in answer.goals]) == (CancelCode.NONE, [A])
     robot.step()
     assert result(robot, A)[0] is CANCELED
@@ -153,7 +153,7 @@ def test_a_goal_without_valid_waypoints_is_aborted(xs: list[float], index: int) 
 
 def test_endless_loops_of_missed_waypoints_end() -> None:
     robot = DrivenRobot(KILTED)
-    robot.actions.follow_waypoints[0].stop_on_failure = False
+    robot.waypoints.stop_on_failure = False
     robot.step(dead=True)
     send(robot, A, [1.0], loops=2**32 - 1)
     robot.step(WAYPOINTS, dead=True)

@@ -27,15 +27,15 @@ CLIENT = "/rviz"
 
 def send(robot: DrivenRobot, goal: bytes, x: float = 3.0, frame: str = "map", tree: str = "") -> bool:
     message = navigation_goal(KILTED, x, frame, tree)
-    return robot.actions.navigate_to_pose[0].receive_goal(goal, message, CLIENT) is not None
+    return robot.navigate.receive_goal(goal, message, CLIENT) is not None
 
 
 def states(robot: DrivenRobot) -> dict[bytes, ActionGoalState]:
-    return {goal.id: state for goal, state in robot.actions.navigate_to_pose[0].goals.statuses}
+    return {goal.id: state for goal, state in robot.navigate.goals.statuses}
 
 
 def end(robot: DrivenRobot, goal: bytes) -> tuple[ActionGoalState, int, str]:
-    result = robot.actions.navigate_to_pose[0].goals.result(goal)
+    result = robot.navigate.goals.result(goal)
     assert result is not None
     assert result.value is not None
     return result.state, result.value.error_code, result.value.error_msg
@@ -127,7 +127,7 @@ def test_a_goal_that_cannot_be_used_is_aborted_and_the_robot_drives_on(
 @pytest.mark.parametrize(("goal", "stamp"), [(A, 0), (NO_ID, 0), (NO_ID, stamp_ns(9))])
 def test_a_goal_is_canceled_by_id_by_time_and_with_all(goal: bytes, stamp: int) -> None:
     robot = under_way()
-    answer = robot.actions.navigate_to_pose[0].receive_cancel(goal, stamp, CLIENT)
+    answer = robot.navigate.receive_cancel(goal, stamp, CLIENT)
     assert (answer.code, [each.id for each in answer.goals]) == (CancelCode.NONE, [A])
     assert robot.requested[1:] == [(CLIENT, CancelRequest(0, A.hex(), 0))]
     assert states(robot) == {A: CANCELING}
@@ -139,7 +139,7 @@ def test_a_goal_is_canceled_before_it_starts() -> None:
     robot = DrivenRobot(KILTED)
     robot.step()
     send(robot, A)
-    robot.actions.navigate_to_pose[0].receive_cancel(A, 0, CLIENT)
+    robot.navigate.receive_cancel(A, 0, CLIENT)
     robot.step()
     assert end(robot, A) == (CANCELED, 0, "")
     assert robot.goal is None
@@ -171,7 +171,7 @@ def test_all_goals_are_canceled_even_those_of_others() -> None:
     robot.step()
     robot.drive(Goal(7, Pose2(1.0, 1.0, 0.0)))
     robot.step()
-    robot.actions.navigate_to_pose[0].receive_cancel(NO_ID, 0, CLIENT)
+    robot.navigate.receive_cancel(NO_ID, 0, CLIENT)
     robot.step()
     assert [*states(robot).values()] == [CANCELED]
     assert robot.goal is None
@@ -219,7 +219,7 @@ def test_feedback_has_pose_time_distance_and_recoveries() -> None:
     robot.step(2)
     robot.recoveries = 2  # The list of behaviors has begun again.
     robot.step(9)
-    received = robot.actions.navigate_to_pose[0].take_feedback()
+    received = robot.navigate.take_feedback()
     assert [goal for goal, _ in received] == 3 * [A]
     feedback: Any = received[-1][1]
     position = feedback.current_pose.pose.position
@@ -228,14 +228,14 @@ def test_feedback_has_pose_time_distance_and_recoveries() -> None:
     assert nanoseconds(feedback.navigation_time) == stamp_ns(15) - stamp_ns(4)
     assert nanoseconds(feedback.estimated_time_remaining) == 8_000_000_000
     assert (feedback.distance_remaining, feedback.number_of_recoveries) == (4.0, 2)
-    assert robot.actions.navigate_to_pose[0].take_feedback() == []
+    assert robot.navigate.take_feedback() == []
 
 
 def test_a_robot_that_stands_has_no_remaining_time() -> None:
     robot = under_way()
     robot.remaining = 4.0
     robot.step(5)
-    ((_, feedback),) = robot.actions.navigate_to_pose[0].take_feedback()
+    ((_, feedback),) = robot.navigate.take_feedback()
     assert nanoseconds(feedback.estimated_time_remaining) == 0
 
 
@@ -244,9 +244,9 @@ def test_results_are_kept_as_long_as_nav2_keeps_them() -> None:
         robot = under_way(distribution)
         robot.arrive()
         robot.step()
-        robot.actions.navigate_to_pose[0].goals.expire(stamp_ns(robot.tick - 1) + seconds * 1_000_000_000)
+        robot.navigate.goals.expire(stamp_ns(robot.tick - 1) + seconds * 1_000_000_000)
         assert states(robot) == {A: SUCCEEDED}
-        robot.actions.navigate_to_pose[0].goals.expire(stamp_ns(robot.tick) + seconds * 1_000_000_000)
+        robot.navigate.goals.expire(stamp_ns(robot.tick) + seconds * 1_000_000_000)
         assert states(robot) == {}
 
 
@@ -257,7 +257,7 @@ class Clients(RuleBasedStateMachine):
         super().__init__()
         self.robot = DrivenRobot(KILTED)
         self.robot.step()
-        self.server = self.robot.actions.navigate_to_pose[0]
+        self.server = self.robot.navigate
         self.results: dict[bytes, list[ActionResult[Any]]] = {}
         self.game = 0
 

@@ -40,18 +40,15 @@ class ServedRobot:
         self.asked: list[tuple[str, str]] = []
         self.limit = limit
         program = self.graph.program()
-        actions = self.robot.actions
         self.servers = [
-            GraphActionServer(
-                program, SERVER, NAME, self.kind, NAVIGATE_TO_POSE, actions.navigate_to_pose[0], self.admit
-            ),
+            GraphActionServer(program, SERVER, NAME, self.kind, NAVIGATE_TO_POSE, self.robot.navigate, self.admit),
             GraphActionServer(
                 program,
                 NodeName("/robot1", "waypoint_follower"),
                 "/robot1/follow_waypoints",
                 self.kind,
                 FOLLOW_WAYPOINTS,
-                actions.follow_waypoints[0],
+                self.robot.waypoints,
             ),
         ]
         self.statuses: list[tuple[ActionGoalStatus, ...]] = []

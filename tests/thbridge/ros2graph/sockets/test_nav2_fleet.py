@@ -80,7 +80,7 @@ class Lab:
         self.robot = DrivenRobot(self.kind)
         self.program = program = self.graph.program()
         node = NodeName("/robot1", "bt_navigator")
-        logic = self.robot.actions.navigate_to_pose[0]
+        logic = self.robot.navigate
         self.server = GraphActionServer(program, node, "/robot1/navigate_to_pose", self.kind, NAVIGATE_TO_POSE, logic)
         self.writers = {
             topic: self.publish(topic, kind, qos)
