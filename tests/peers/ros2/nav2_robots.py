@@ -1,7 +1,7 @@
 """Nodes of rclpy that play Nav2 robots: they drive straight to their goals and publish what Nav2 robots publish.
 
-It runs with the Python of the peer, so it imports nothing of the project. Usage: nav2_robots.py ROBOTS SPEED. The first
-goal of the first robot has no path.
+It runs with the Python of the peer, so it imports nothing of the project. Usage: nav2_robots.py SPEED NUMBER ...
+The first goal of robot 1 has no path.
 """
 
 import math
@@ -20,7 +20,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from tf2_msgs.msg import TFMessage
 
 PERIOD = 0.05
-robots, speed = int(sys.argv[1]), float(sys.argv[2])
+speed, numbers = float(sys.argv[1]), [int(number) for number in sys.argv[2:]]
 rclpy.init()
 
 
@@ -102,8 +102,8 @@ class Robot:
         self.tf.publish(TFMessage(transforms=[correction]))
 
 
-executor = MultiThreadedExecutor(num_threads=2 * robots + 2)
-for each in [Robot(number) for number in range(1, robots + 1)]:
+executor = MultiThreadedExecutor(num_threads=2 * len(numbers) + 2)
+for each in [Robot(number) for number in numbers]:
     executor.add_node(each.node)
 print("ready", flush=True)
 executor.spin()

@@ -22,15 +22,19 @@ fleet: {robot: {odom_frame: odom, base_frame: base_link}}
 """
 
 
+def robots(*arguments: str) -> subprocess.Popen[bytes]:
+    script = Path(__file__).with_name("nav2_robots.py")
+    return subprocess.Popen([PYTHON, script, *arguments], env=environment(DOMAIN), stderr=sys.stderr)
+
+
 def test_a_whole_hunt_with_nav2_robots_of_rclpy(tmp_path: Path) -> None:
     (tmp_path / "study.yaml").write_text(STUDY)
-    script = Path(__file__).with_name("nav2_robots.py")
-    field = subprocess.Popen([PYTHON, script, "2", "3.0"], env=environment(DOMAIN), stderr=sys.stderr)
+    playing = [robots("3.0", "1", "2")]
     server = Program(tmp_path, "server", "--port", "0")
     programs = [server]
     try:
         at = f"127.0.0.1:{port_of(server, programs)}"
-        simr = Program(tmp_path, "simr", "--study", "study.yaml", "--server", at, "--bag", "real.bag")
+        simr = Program(tmp_path, "simr", "--study", "study.yaml", "--server", at, "--bag", "real.mcap")
         programs.append(simr)
         until("all robots to be found", lambda: "All robots have been found" in simr.text, programs)
         programs.append(Program(tmp_path, "hider", "--server", at))
@@ -42,15 +46,47 @@ def test_a_whole_hunt_with_nav2_robots_of_rclpy(tmp_path: Path) -> None:
     finally:
         for program in programs:
             program.close()
-        field.kill()
-        field.wait()
+        for each in playing:
+            each.kill()
+            each.wait()
     arrived = [event for event in journal(tmp_path) if event["event"] == "arrived"]
     (failed,) = [event for event in journal(tmp_path) if event["event"] == "failed"]
     assert failed["reason"] == "The map has no path there from where robot 1 believes it is."
     results = [f"/robot{number}/navigate_to_pose/result" for number in (1, 2)]
-    ends = list(bag_reader.messages(tmp_path / "real.bag", results))
+    ends = list(bag_reader.messages(tmp_path / "real.mcap", results))
     assert len(arrived) == 8
     statuses = [unpack.move_base_result(end.data).status for end in ends]
     assert sorted(statuses) == [3] * 8 + [4]
-    recorded = {topic.name: topic.messages for topic in bag_reader.info(tmp_path / "real.bag").topics}
+    recorded = {topic.name: topic.messages for topic in bag_reader.info(tmp_path / "real.mcap").topics}
     assert all(recorded[f"/robot{number}/{word}"] > 50 for number in (1, 2) for word in ("odom", "tf", "amcl_pose"))
+
+
+def moves(folder: Path, kind: str) -> list[dict[str, object]]:
+    return [event for event in journal(folder) if event["event"] == kind and event["robot"] == 1]
+
+
+def test_robots_that_are_killed_and_started_again_continue(tmp_path: Path) -> None:
+    (tmp_path / "study.yaml").write_text(STUDY)
+    playing = [robots("3.0", "1"), robots("0.5", "2")]
+    server = Program(tmp_path, "server", "study.yaml", "--port", "0")
+    programs = [server]
+    try:
+        at = f"127.0.0.1:{port_of(server, programs)}"
+        simr = Program(tmp_path, "simr", "--study", "study.yaml", "--server", at)
+        programs.append(simr)
+        until("the robots to be found", lambda: "All robots have been found" in simr.text, programs)
+        programs += [Program(tmp_path, "hider", "--server", at), Program(tmp_path, "tabui", "--server", at, "--json")]
+        until("the robot to drive", lambda: any(moves(tmp_path, "departed")), programs)
+        playing[1].kill()
+        playing[1].wait()
+        until("the silence", lambda: "robot 2: it is silent: no more odometry" in simr.text, programs)
+        playing[1] = robots("3.0", "2")
+        until("the robot again", lambda: "its odometry is back" in simr.text, programs)
+        until("an arrival", lambda: any(moves(tmp_path, "arrived")), programs)
+        assert simr.stop() == 0
+    finally:
+        for program in programs:
+            program.close()
+        for each in playing:
+            each.kill()
+            each.wait()
