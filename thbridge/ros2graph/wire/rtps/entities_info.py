@@ -3,6 +3,7 @@
 Source: rmw_dds_common/msg/ParticipantEntitiesInfo, NodeEntitiesInfo and Gid (16 bytes since Iron).
 """
 
+import re
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ MOST_NODES = 1024
 
 _HEADER = b"\x00\x01\x00\x00"
 _LONGEST_NAME = 256
+_NAMES = re.compile(r"(/[A-Za-z0-9_]+)+")
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,9 +53,7 @@ def decode_entities(message: bytes) -> list[NodeEntities]:
     count = cursor.number()
     if count > MOST_NODES:
         raise ValueError("a participant has too many nodes")
-    return [
-        NodeEntities(NodeName(cursor.text() or "/", cursor.text()), cursor.gids(), cursor.gids()) for _ in range(count)
-    ]
+    return [NodeEntities(cursor.node(), cursor.gids(), cursor.gids()) for _ in range(count)]
 
 
 class _Cursor:
@@ -84,6 +84,13 @@ class _Cursor:
         if size > _LONGEST_NAME + 1:
             raise ValueError("the name of a node is too long")
         return self.take(size).rstrip(b"\x00").decode()
+
+    def node(self) -> NodeName:
+        """Return the next name of a node."""
+        name = NodeName(self.text() or "/", self.text())
+        if not _NAMES.fullmatch(name.whole):
+            raise ValueError("the name of a node has other characters than ROS allows")
+        return name
 
     def gids(self) -> list[Guid]:
         """Return the next list of GUIDs."""

@@ -9,6 +9,10 @@ MOST_WAITING = 4096
 """Maximum number of datagrams that wait. Further ones are dropped; reliable readers ask for their samples again."""
 
 
+RESENT_BYTES = 4 << 20
+"""Maximum number of bytes that are sent again per tick. A short request can ask for much, so requests are limited."""
+
+
 class Outgoing(NamedTuple):
     """Datagram to send."""
 
@@ -46,7 +50,17 @@ class Outbox:
         self._limit = datagram_size
         self._open: dict[Destination, None] = {}
         self._ready: list[Outgoing] = []
+        self._resendable = RESENT_BYTES
         self.dropped = 0
+
+    def renew(self) -> None:
+        """Allow the samples of another tick to be sent again."""
+        self._resendable = RESENT_BYTES
+
+    def may_resend(self, size: int) -> bool:
+        """Return True if this number of bytes may be sent again in this tick."""
+        self._resendable -= size
+        return self._resendable >= 0
 
     def add(self, destination: Destination, submessage: bytes) -> None:
         """Add a submessage for a participant."""

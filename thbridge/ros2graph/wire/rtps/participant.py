@@ -220,6 +220,7 @@ class RtpsParticipant:
 
     def tick(self, now_ns: int) -> None:
         """Announce ourselves, repeat what was not acknowledged, and forget participants that are silent."""
+        self.outbox.renew()
         if self._due_ns is None or now_ns >= self._due_ns:
             self._announcements += 1
             first = self._announcements <= _FIRST_ANNOUNCEMENTS

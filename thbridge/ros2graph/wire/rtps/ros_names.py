@@ -11,6 +11,7 @@ DISCOVERY_TOPIC = "ros_discovery_info"
 DISCOVERY_TYPE = "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_"
 DISCOVERY_HASH = "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e"
 
+_NAME = re.compile(r"(/[A-Za-z0-9_]+)+")
 _TYPE = re.compile(r"(\w+)::(msg|srv|action)::dds_::(\w+)_")
 _HASH = re.compile(rb"(?:^|;)typehash=(RIHS01_[0-9a-f]{64})(?:;|$)")
 
@@ -53,8 +54,10 @@ def role_and_name(topic: str, *, is_writer: bool) -> tuple[EndpointRole, str] | 
     A server reads requests and a client writes them. Their other endpoint, for responses, has no role of its own.
     """
     kind, name = topic[:2], topic[2:]
-    if kind == "rt" and name.startswith("/"):
+    if not _NAME.fullmatch(name):
+        return None
+    if kind == "rt":
         return (EndpointRole.PUBLISHER if is_writer else EndpointRole.SUBSCRIPTION), name
-    if kind == "rq" and name.startswith("/") and name.endswith("Request"):
+    if kind == "rq" and name.endswith("Request"):
         return (EndpointRole.CLIENT if is_writer else EndpointRole.SERVER), name.removesuffix("Request")
     return None

@@ -22,8 +22,6 @@ from thbridge.ros2graph.wire.rtps.submessages import (
 
 MOST_READERS = 1024
 """Maximum number of matched readers of a writer."""
-RESENT_BYTES = 256 * 1024
-"""Maximum number of bytes that one request makes a writer send. The reader requests the rest again."""
 _FIRST_PAUSE_NS, _LONGEST_PAUSE_NS = 20_000_000, 1_000_000_000
 """Pauses between two heartbeats for a reader that does not acknowledge."""
 _UNBOUNDED = 1 << 30
@@ -186,7 +184,7 @@ class RtpsWriter:
                 self._announce(reader, final=True)
             return
         gone: list[int] = []
-        left = RESENT_BYTES
+        is_complete = True
         for sequence in message.missing:
             if sequence > self._last:
                 break
@@ -194,13 +192,14 @@ class RtpsWriter:
             if kept is None:
                 gone.append(sequence)
                 continue
-            for piece in kept.pieces if left > 0 else ():
-                left -= len(piece)
-                self._resend(reader, piece)
+            is_complete = all(self._resend(reader, piece) for piece in kept.pieces)
+            if not is_complete:
+                break
         if gone:
             self._outbox.add(reader.destination, encode_gap(reader.id, self.id, gone))
-        # The answer acknowledges these samples, or requests the next ones.
-        self._announce(reader, final=False)
+        if is_complete:
+            # The answer acknowledges them, or requests the next ones. Otherwise, the next tick asks for an answer.
+            self._announce(reader, final=False)
 
     def on_fragment_request(self, message: FragmentRequest, stamp_ns: int) -> None:
         """Process a request of fragments: send them again."""
@@ -213,12 +212,9 @@ class RtpsWriter:
             if message.sequence <= self._last:
                 self._outbox.add(reader.destination, encode_gap(reader.id, self.id, (message.sequence,)))
             return
-        left = RESENT_BYTES
-        for number in message.missing:
-            if number <= len(kept.pieces) and left > 0:
-                left -= len(kept.pieces[number - 1])
-                self._resend(reader, kept.pieces[number - 1])
-        self._announce(reader, final=False)
+        pieces = (kept.pieces[number - 1] for number in message.missing if 0 < number <= len(kept.pieces))
+        if all(self._resend(reader, piece) for piece in pieces):
+            self._announce(reader, final=False)
 
     def tick(self, now_ns: int) -> bool:
         """Send heartbeats to readers that have not acknowledged all samples. Return False if there are none."""
@@ -246,8 +242,12 @@ class RtpsWriter:
             return None
         return kept
 
-    def _resend(self, reader: _MatchedReader, piece: bytes) -> None:
+    def _resend(self, reader: _MatchedReader, piece: bytes) -> bool:
+        """Send a sample or fragment again. Return False if too much was sent again in this tick."""
+        if not self._outbox.may_resend(len(piece)):
+            return False
         self._outbox.add(reader.destination, piece[:READER_AT] + reader.id + piece[READER_AT + 4 :])
+        return True
 
     def _first(self) -> int:
         return next(iter(self._history), self._last + 1)

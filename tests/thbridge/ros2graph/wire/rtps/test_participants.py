@@ -18,13 +18,14 @@ from thbridge.ros2graph.wire.rtps.guids import (
     reader_id,
     writer_id,
 )
-from thbridge.ros2graph.wire.rtps.outbox import Destination, Outbox
+from thbridge.ros2graph.wire.rtps.outbox import RESENT_BYTES, Destination, Outbox
 from thbridge.ros2graph.wire.rtps.parameters import UdpAddress
 from thbridge.ros2graph.wire.rtps.participant import RtpsParticipant
 from thbridge.ros2graph.wire.rtps.readers import HeldBytes, ReceivedSample, RtpsReader
 from thbridge.ros2graph.wire.rtps.submessages import (
     DataFragment,
     decode_datagram,
+    encode_acknowledgment,
     encode_data,
     encode_fragments,
     encode_header,
@@ -118,6 +119,21 @@ def test_a_slow_reader_loses_old_samples_and_never_blocks_the_writer() -> None:
     for payload in payloads(100):
         pair.write(payload)
     assert pair.writer.dropped == 100 - DEFAULT.depth
+
+
+def test_requests_make_a_writer_send_a_limited_amount_per_tick() -> None:
+    network = RtpsNetwork()
+    pair = Pair(network, DEEP, DEEP)
+    pair.meet()
+    for _ in range(10):
+        pair.write(bytes(1 << 20))
+    pair.first.drain()
+    sent = 0
+    for count in range(1000, 1050):
+        request = encode_acknowledgment(pair.reader.id, pair.writer.id, 1, range(1, 11), count, final=False)
+        pair.first.receive(encode_header(pair.second.prefix) + request, HOST, network.now_ns, STAMP)
+        sent += sum(len(datagram) for _, datagram in pair.first.drain())
+    assert RESENT_BYTES / 2 < sent < 1.1 * RESENT_BYTES
 
 
 def test_samples_above_their_lifespan_are_not_sent_again() -> None:

@@ -47,6 +47,7 @@ READER, WRITER = reader_id(1), writer_id(2)
 sequences = st.integers(1, 1 << 61)
 sets = st.sets(st.integers(0, 255), max_size=256)
 texts = st.text(st.characters(codec="utf-8", exclude_characters="\x00"), min_size=1, max_size=40)
+names = st.from_regex(r"[A-Za-z0-9_]{1,20}", fullmatch=True)
 qualities = st.builds(
     QosProfile,
     st.integers(1, 2**31),
@@ -159,7 +160,7 @@ def test_disposals_name_what_is_gone(entity: bytes) -> None:
     assert disposed_guid(parameters, b"") == disposed_guid([], key) == PREFIX + entity
 
 
-@given(st.lists(st.tuples(texts, texts, st.integers(0, 3), st.integers(0, 3)), max_size=5))
+@given(st.lists(st.tuples(names, names, st.integers(0, 3), st.integers(0, 3)), max_size=5))
 def test_lists_of_nodes_survive(nodes: list[tuple[str, str, int, int]]) -> None:
     entities = [
         NodeEntities(NodeName(f"/{space}", name), [PREFIX + READER] * reads, [PREFIX + WRITER] * writes)
@@ -197,6 +198,7 @@ def test_a_message_that_refers_to_nothing_has_no_related_request() -> None:
         ("rq/addRequest", False, (EndpointRole.SERVER, "/add")),
         ("rq/addRequest", True, (EndpointRole.CLIENT, "/add")),
         ("rr/addReply", True, None),
+        ("rt/new\nline", True, None),
         ("ros_discovery_info", True, None),
     ],
 )
