@@ -5,9 +5,11 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.world.sensors import mount_of
+from tests.support.project import ROOT
+from thbridge.recording.bag.reading.reader import recorded
 from thbridge.ros.messages import pack
 from thbridge.ros.publisher import TeamPublisher, clock_message
-from thbridge.ros.topics import TF, RosMessage
+from thbridge.ros.topics import TF, RosMessage, Topic
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.qos import LATCHED, SENSOR_DATA
 from thbridge.ros2.topics import LEFT_OUT, SessionTopics
@@ -74,3 +76,16 @@ def test_the_clock_is_a_topic(topics: SessionTopics) -> None:
     ((target, convert),) = topics.targets[message.topic.name]
     assert target.name == "/clock"
     assert Distribution.of("jazzy").decode(target.type, convert(message)).clock.sec == 2
+
+
+def test_each_message_of_a_hunt_can_be_read(topics: SessionTopics) -> None:
+    distribution = Distribution.of("jazzy")
+    read = set()
+    for publisher, stamp_ns, data in recorded(ROOT / "tests" / "system" / "studies_of_0_1" / "hunt.bag"):
+        topic = Topic(publisher.topic, publisher.msgtype)
+        for target, convert in topics.targets.get(topic.name, ()):
+            # rosbags reads the message, and writes the same bytes.
+            message = convert(RosMessage(topic, stamp_ns, data))
+            assert distribution.encode(target.type, distribution.decode(target.type, message)) == message
+            read.add(target.name)
+    assert len(read) > 25
