@@ -24,6 +24,7 @@ from thbridge.ros.publisher import TeamPublisher
 from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.rosgraph.sockets.joining import GraphAddress, MasterPresence
 from thbridge.sockets.addresses import LOCALHOST, ListeningAddress
+from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.sockets.keys import KeyVerifier
 from thbridge.timing.pacer import Pacer
@@ -146,7 +147,8 @@ async def listeners(
             from thbridge.app.live_graph.live_ros2 import on_ros2_graph  # noqa: PLC0415
 
             described = build_team_description(setting, publisher)
-            nodes = on_ros2_graph(options.ros2, described, team, requests, receive_frame)
+            admission = Admission.to(setting.study.open_to)
+            nodes = on_ros2_graph(options.ros2, admission, described, team, requests, receive_frame)
             live2, rivals = await opened.enter_async_context(nodes)
             callbacks.joined_ros2(rivals)
             listening.append(live2)

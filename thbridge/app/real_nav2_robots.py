@@ -16,6 +16,7 @@ from thbridge.ros2graph.sockets.nav2_fleet import NODE, Nav2Fleet, Nav2Robot
 from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.rosgraph.sockets.fleet import TrafficRecorder
 from thbridge.rosgraph.wire.links import TopicHeader
+from thbridge.sockets.admission import Admission
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +53,12 @@ def build_nav2_fleet(setting: StudySetting, graph: Ros2Address, traffic: Traffic
         robots.append(Nav2Robot(RemoteRobot(robot, remote, NODE.whole, footprint, stale_ns), nav2, goals))
     recorder = Nav2Traffic(traffic, Definitions(ROS_SHARES))
     types = Distribution.of(graph.distribution.value)
-    fleet = Nav2Fleet(carrier_of(graph), types, robots, recorder, is_time_simulated=study.ros2.use_sim_time)
+    fleet = Nav2Fleet(
+        carrier_of(graph, Admission.to(study.open_to)),
+        types,
+        robots,
+        recorder,
+        is_time_simulated=study.ros2.use_sim_time,
+    )
     fleet.stamp_odometry_later(section.odom_time_offset)
     return fleet

@@ -38,6 +38,7 @@ from thbridge.ros2graph.sockets.joining import carrier_of, find_nodes
 from thbridge.ros2graph.sockets.parameter_services import NodeServices
 from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.ros2graph.values.graph import NodeName
+from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.sockets.warn_once import WarnOnce
 
@@ -241,17 +242,18 @@ class LiveRos2Graph:
 @asynccontextmanager
 async def on_ros2_graph(
     address: Ros2Address,
+    admission: Admission,
     description: TeamDescription,
     team: Team,
     requests: ClientRequests,
     receive_frame: Callable[[int, Frame], None] | None = None,
 ) -> AsyncIterator[tuple[LiveRos2Graph, CannotListen | CannotReach | Sequence[str]]]:
-    """Join a graph, and leave it at the end of the context; see `LiveRos2Graph`.
+    """Join a graph, and leave it at the end of the context; see `LiveRos2Graph` and `carrier_of`.
 
     The context yields the nodes, and the outcome of `LiveRos2Graph.join`.
     """
     types_of_graph = Distribution.of(address.distribution.value)
-    live = LiveRos2Graph(carrier_of(address), types_of_graph, description, team, requests, receive_frame)
+    live = LiveRos2Graph(carrier_of(address, admission), types_of_graph, description, team, requests, receive_frame)
     outcome = await live.join()
     try:
         yield live, outcome

@@ -20,6 +20,7 @@ from thbridge.ros2graph.wire.rtps.parameters import UdpAddress
 from thbridge.ros2graph.wire.rtps.participant import TICK_NS, RtpsParticipant
 from thbridge.ros2graph.wire.rtps.submessages import VENDOR
 from thbridge.sockets.addresses import LOCALHOST
+from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.warn_once import WarnOnce
 
@@ -42,6 +43,7 @@ class DdsCarrier:
         domain: domain id, as in ROS_DOMAIN_ID.
         interface: IPv4 address of the network interface. On loopback, only programs on this machine take part.
         clock: returns nanoseconds since 1970, for the times of messages.
+        admission: decides by address whose datagrams are processed; those of this machine always are.
         drops: returns True if the next datagram is to be lost. Tests use it.
     """
 
@@ -51,11 +53,13 @@ class DdsCarrier:
         interface: str = LOCALHOST,
         clock: Callable[[], int] = time.time_ns,
         drops: Callable[[], bool] | None = None,
+        admission: Admission = OWN_MACHINE,
     ) -> None:
         self._domain = domain
         self._interface = interface
         self._clock = clock
         self._drops = drops
+        self._admission = admission
         self._warnings = WarnOnce(_log)
         self._sockets: list[socket.socket] = []
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -181,6 +185,9 @@ class DdsCarrier:
                 self._warn(f"receiving failed: {error.strerror}")
                 break
             if self._drops is not None and self._drops():
+                continue
+            if source[0] != self._interface and not self._admission.admits(source[0]):
+                self._warn(f"datagrams from {source[0]} are dropped: its network is not admitted (--open-to)")
                 continue
             fault = self._participant.receive(datagram, source[0], now_ns, stamp_ns)
             if fault is not None:

@@ -7,21 +7,26 @@ from thbridge.ros2graph.sockets.carrier import GraphCarrier
 from thbridge.ros2graph.sockets.dds import DdsCarrier
 from thbridge.ros2graph.values.address import CarrierKind, Ros2Address
 from thbridge.sockets.addresses import parse_address
+from thbridge.sockets.admission import OWN_MACHINE, Admission
 
 _LOOKS = 15
 _LOOK_SECONDS = 0.1
 """Nodes on the same machine or network answer within a second."""
 
 
-def carrier_of(address: Ros2Address) -> GraphCarrier:
+def carrier_of(address: Ros2Address, admission: Admission = OWN_MACHINE) -> GraphCarrier:
     """Return the carrier of a graph, before it is started.
+
+    Args:
+        address: the graph.
+        admission: decides by address whose datagrams are processed. A zenoh session accepts only this machine.
 
     Raises:
         ModuleNotFoundError: the carrier is zenoh, and the extra `ros2` is not installed.
         ValueError: the address of the router is invalid.
     """
     if address.carrier is CarrierKind.DDS:
-        return DdsCarrier(address.domain, address.host)
+        return DdsCarrier(address.domain, address.host, admission=admission)
     from thbridge.ros2graph.sockets.zenoh import ZenohCarrier  # noqa: PLC0415 - optional packages
 
     router = parse_address(address.router)
