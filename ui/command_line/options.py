@@ -228,9 +228,9 @@ class RosOptions:
 class Ros2Options:
     """ROS 2 graph to join. Its other settings are in the study's section `ros2`."""
 
-    join_ros2: Annotated[
-        bool, typer.Option("--ros2", help="Join a ROS 2 graph; see `thbridge docs live-graph`.")
-    ] = False
+    join_ros2: Annotated[bool, typer.Option("--ros2", help="Join a ROS 2 graph; see `thbridge docs live-graph`.")] = (
+        False
+    )
     ros2_domain: Annotated[
         int | None,
         typer.Option(
