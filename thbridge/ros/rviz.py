@@ -39,7 +39,12 @@ wide. Without this value, it would cover the map."""
 
 
 def configuration(software: Sequence[RobotParameters], grid: OccupancyGrid) -> str:
-    """Return the configuration file for a team on this map, seen from above.
+    """Return the configuration file for a team on this map, seen from above; see `sections`."""
+    return write_sections(sections(software, grid))
+
+
+def sections(software: Sequence[RobotParameters], grid: OccupancyGrid) -> Section:
+    """Return the content of the configuration file.
 
     Args:
         software: parameters of each robot. The topics of a robot's plans contain the names of its planners.
@@ -48,7 +53,7 @@ def configuration(software: Sequence[RobotParameters], grid: OccupancyGrid) -> s
     team = [RobotNames.of(number) for number in range(len(software))]
     topics = [RobotTopics(robot, Planners.of(own)) for robot, own in zip(team, software, strict=True)]
     groups = [_robot(robot, of, colour_of(index)) for index, (robot, of) in enumerate(zip(team, topics, strict=True))]
-    whole: Section = {
+    return {
         "Panels": [
             {"Class": "rviz/Displays", "Name": "Displays", "Tree Height": 500},
         ],
@@ -70,6 +75,10 @@ def configuration(software: Sequence[RobotParameters], grid: OccupancyGrid) -> s
         },
         "Window Geometry": {"Width": WINDOW[0], "Height": WINDOW[1], "QMainWindow State": _PANELS},
     }
+
+
+def write_sections(whole: Section) -> str:
+    """Return the text of a configuration file with this content."""
     text = StringIO()
     yaml = YAML()
     yaml.indent(mapping=2, sequence=4, offset=2)

@@ -69,12 +69,20 @@ ViewFile = Annotated[Path | None, typer.Option("--to", help="File to write; `-`,
 
 
 def ros_rviz(
-    study_file: StudyFile = None, robots: Robots = None, map_name: MapName = None, to: ViewFile = None
+    study_file: StudyFile = None,
+    robots: Robots = None,
+    map_name: MapName = None,
+    to: ViewFile = None,
+    ros2: Annotated[
+        bool, typer.Option("--ros2", help="Write a configuration of rviz2, for sessions on ROS 2 graphs.")
+    ] = False,
 ) -> None:
     """Write an rviz configuration that shows the whole team of a study; open it with `rviz -d FILE`."""
     from thbridge.ros.rviz import configuration
+    from thbridge.ros2.rviz import rviz2_configuration
 
-    _write_view(configuration, study_file, robots, map_name, to, "Open it with: rviz -d {to}")
+    write, program = (rviz2_configuration, "rviz2") if ros2 else (configuration, "rviz")
+    _write_view(write, study_file, robots, map_name, to, f"Open it with: {program} -d {{to}}")
 
 
 def ros_foxglove(
