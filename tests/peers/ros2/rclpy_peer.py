@@ -70,18 +70,6 @@ class Peer:
 
         self.node.create_subscription(interface(type_name), topic, heard, profile(qos), raw=True)
 
-    def count(self, topic, type_name, qos):
-        """Report the first message of a topic, and every hundredth."""
-        number = 0
-
-        def heard(data):
-            nonlocal number
-            number += 1
-            if number % 100 in {0, 1}:
-                say("counted", topic=topic, number=number)
-
-        self.node.create_subscription(interface(type_name), topic, heard, profile(qos), raw=True)
-
     def advertise(self, topic, type_name, qos):
         """Announce a publisher."""
         self.publishers[topic] = self.node.create_publisher(interface(type_name), topic, profile(qos))

@@ -1,5 +1,7 @@
 """Topics between our DDS carrier and real implementations: rclpy on Fast DDS, and Cyclone DDS."""
 
+import random
+
 import pytest
 
 from tests.peers.ros2.peer_messages import GRID, STRING, grid, string, text_of
@@ -123,3 +125,20 @@ async def test_cyclone_hears_us_and_we_hear_cyclone(quality: str) -> None:
         first = (await other.event("message", topic="/chatter"))["text"]
         for at in range(int(first.split()[1]) + 1, int(first.split()[1]) + 11):
             assert (await other.event("message", topic="/chatter"))["text"] == f"hello {at}"
+
+
+@pytest.mark.parametrize("loss", [0.0, pytest.param(0.1, marks=pytest.mark.slow)])
+@with_timeout
+async def test_large_messages_go_to_cyclone_and_back_in_fragments(loss: float) -> None:
+    """Cyclone DDS sends fragments of 1344 bytes."""
+    dice, large, heard = random.Random(1), "0123456789" * 16_000, []
+    carrier = DdsCarrier(DOMAIN, drops=lambda: dice.random() < loss)
+    carrier.publish(OURS, "/large", STRING, LATCHED).write(string(large))
+    carrier.subscribe(OURS, "/their_large", STRING, LATCHED, lambda data, gid: heard.append(text_of(data)))
+    async with joined(carrier), peer("cyclone_peer.py") as other:
+        other.do("subscribe", topic="/large", qos=[1, True, True])
+        assert (await other.event("message"))["text"] == large
+        other.do("advertise", topic="/their_large", qos=[1, True, True])
+        other.do("publish", topic="/their_large", text=large)
+        await until(lambda: heard, "the message came")
+        assert heard == [large]

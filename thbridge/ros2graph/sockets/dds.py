@@ -209,6 +209,8 @@ class DdsCarrier:
                 self._warn("datagrams were dropped because the system's send buffer was full")
             except OSError as error:
                 self._warn(f"sending to {outgoing.address.host} failed: {error.strerror}")
+        if self._participant.outbox.dropped:
+            self._warn("datagrams were dropped because too many waited")
 
     def _tick(self) -> None:
         self._timer = asyncio.get_running_loop().call_later(TICK_NS / _NANO, self._tick)

@@ -33,6 +33,7 @@ from thbridge.ros2graph.wire.rtps.submessages import (
     DataFragment,
     FragmentRequest,
     Heartbeat,
+    HeartbeatFragment,
     SampleGap,
     Submessage,
     decode_datagram,
@@ -314,6 +315,8 @@ class RtpsParticipant:
                     reader.on_fragment(message)
                 case Heartbeat():
                     reader.on_heartbeat(message)
+                case HeartbeatFragment():
+                    reader.on_fragment_heartbeat(message)
                 case SampleGap():
                     reader.on_gap(message)
 

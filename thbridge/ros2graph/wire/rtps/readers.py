@@ -18,6 +18,7 @@ from thbridge.ros2graph.wire.rtps.submessages import (
     Data,
     DataFragment,
     Heartbeat,
+    HeartbeatFragment,
     SampleGap,
     encode_acknowledgment,
     encode_fragment_request,
@@ -149,7 +150,6 @@ class RtpsReader:
         self.guid = guid
         self.id = guid[-4:]
         self.qos = qos
-        self.lost = 0
         self._outbox = outbox
         self._held = held
         self._on_sample = on_sample
@@ -226,10 +226,15 @@ class RtpsReader:
             writer.next = message.first
             self._discard(writer, message.first)
         elif writer.next < message.first:
-            self.lost += message.first - writer.next
             self._skip_to(writer, message.first)
         self._deliver(writer)
         self._acknowledge(writer, message.last, answer=not message.final)
+
+    def on_fragment_heartbeat(self, message: HeartbeatFragment) -> None:
+        """Process an announcement of fragments: request those that are missing."""
+        writer = self._writers.get(message.writer)
+        if writer is not None and writer.reliable:
+            self._request_fragments(writer, message.sequence, message.last)
 
     def on_gap(self, message: SampleGap) -> None:
         """Process a gap: do not wait for these samples."""
@@ -341,12 +346,16 @@ class RtpsReader:
         )  # fmt: skip
         self._outbox.add(writer.destination, acknowledgment)
         for sequence in wanted:
-            incomplete = writer.incomplete.get(sequence)
-            if incomplete is not None:
-                writer.count += 1
-                numbers = incomplete.missing()
-                request = encode_fragment_request(self.id, writer.guid[-4:], sequence, numbers, writer.count)
-                self._outbox.add(writer.destination, request)
+            self._request_fragments(writer, sequence, MOST_FRAGMENTS)
+
+    def _request_fragments(self, writer: _MatchedWriter, sequence: int, last: int) -> None:
+        """Request the missing fragments of a sample in reassembly, up to a number."""
+        incomplete = writer.incomplete.get(sequence)
+        missing = () if incomplete is None else [each for each in incomplete.missing() if each <= last]
+        if missing:
+            writer.count += 1
+            request = encode_fragment_request(self.id, writer.guid[-4:], sequence, missing, writer.count)
+            self._outbox.add(writer.destination, request)
 
     def _request_heartbeat(self, writer: _MatchedWriter) -> None:
         writer.count += 1

@@ -1,5 +1,7 @@
 """Participants of RTPS find each other and exchange samples, also over networks that lose and reorder datagrams."""
 
+import struct
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -24,6 +26,7 @@ from thbridge.ros2graph.wire.rtps.participant import RtpsParticipant
 from thbridge.ros2graph.wire.rtps.readers import HeldBytes, ReceivedSample, RtpsReader
 from thbridge.ros2graph.wire.rtps.submessages import (
     DataFragment,
+    FragmentRequest,
     decode_datagram,
     encode_acknowledgment,
     encode_data,
@@ -318,6 +321,26 @@ def test_bytes_that_wait_are_limited() -> None:
     for writer in writers:
         reader.unmatch(writer)
     assert held.held == 0
+
+
+def test_missing_fragments_are_requested_when_they_are_announced() -> None:
+    participant = alone()
+    writer = writer_id(1)
+    heartbeat = encode_heartbeat(UNKNOWN, writer, 1, 1, 1, final=True)
+    pieces = encode_fragments(writer, 1, bytes(100), STAMP, 10)
+    body = UNKNOWN + writer + struct.pack("<iIIi", 0, 1, 8, 1)
+    announced_fragments = struct.pack("<BBH", 0x13, 1, len(body)) + body
+    participant.drain()
+    participant.receive(
+        b"".join((encode_header(STRANGER), heartbeat, pieces[0], pieces[3], announced_fragments)), HOST, 0, STAMP
+    )
+    requests = [
+        each
+        for outgoing in participant.drain()
+        for each in decode_datagram(outgoing.datagram, STRANGER)[2]
+        if isinstance(each, FragmentRequest)
+    ]
+    assert requests[-1].missing == [2, 3, 5, 6, 7, 8]
 
 
 def test_samples_that_are_too_large_are_not_assembled() -> None:
