@@ -35,9 +35,10 @@ class LastItems(Generic[_Item]):
         self._lock = threading.Lock()
         self.dropped = 0
 
-    def push(self, item: _Item, size: int) -> None:
-        """Add an item with a number of bytes. If the queue is full, drop the oldest items."""
+    def push(self, item: _Item, size: int) -> bool:
+        """Add an item with a number of bytes. If the queue is full, drop the oldest items, and return False."""
         with self._lock:
+            before = self.dropped
             while self._items and (len(self._items) >= self._depth or self._bytes + size > MOST_BYTES):
                 self._bytes -= self._items.popleft()[1]
                 self.dropped += 1
@@ -45,8 +46,10 @@ class LastItems(Generic[_Item]):
             self._bytes += size
             calls = self._calls < len(self._items)
             self._calls += calls
+            fits = self.dropped == before
         if calls:
             self._wake(self._next)
+        return fits
 
     def _next(self) -> None:
         with self._lock:

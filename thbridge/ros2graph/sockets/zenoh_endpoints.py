@@ -145,7 +145,8 @@ def subscribe(
         # The library's enumerations have no single instances, so "is" does not compare them.
         if attachment is not None and attachment.gid not in own and sample.kind == zenoh.SampleKind.PUT:
             message = sample.payload.to_bytes()
-            pending.push((message, attachment.gid), len(message))
+            if not pending.push((message, attachment.gid), len(message)):
+                _warnings.warn(f"{keys.data}: messages arrive faster than they are read; the last {qos.depth} are kept")
 
     link.call(lambda session: link.keep(_subscriber(session, keys.data, qos, Callback(take, indirect=False))))
 
@@ -168,7 +169,8 @@ def serve(link: ZenohLink, keys: EndpointKeys, on_request: OnRequest) -> None:
         attachment = _attachment(query.attachment, keys.data)
         if attachment is not None and query.payload is not None:
             request = query.payload.to_bytes()
-            pending.push((request, attachment, query), len(request))
+            if not pending.push((request, attachment, query), len(request)):
+                _warnings.warn(f"{keys.data}: requests arrive faster than they are read; old ones are refused")
 
     def declare(session: zenoh.Session) -> None:
         link.keep(session.declare_queryable(keys.data, Callback(take, indirect=False), complete=True))

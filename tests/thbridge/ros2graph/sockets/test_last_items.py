@@ -18,7 +18,7 @@ def test_the_last_items_arrive_in_order(depth, steps):
             expected += model[:1]
             del model[:1]
         elif step is not None:
-            queue.push(at, step)
+            assert queue.push(at, step) is (len(model) < depth)
             model = [*model, at][-depth:]
         assert len(calls) <= depth
         assert len(calls) >= len(model)

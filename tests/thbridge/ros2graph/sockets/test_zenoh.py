@@ -2,13 +2,20 @@
 
 import asyncio
 import json
+import logging
+import resource
+import subprocess
+import sys
 import threading
+from pathlib import Path
 
+import pytest
 import zenoh
 
 from tests.support.programs.ports import free_port
 from tests.support.ros.zenoh_graphs import ADD, DOMAIN, NODE, OTHER, STRING, carriers, router, run, until
 from thbridge.ros2.qos import DEFAULT, LATCHED, SENSOR_DATA, QosProfile
+from thbridge.ros2graph.sockets import zenoh_endpoints
 from thbridge.ros2graph.sockets.zenoh import ZenohCarrier
 from thbridge.ros2graph.sockets.zenoh_settings import peer_settings
 from thbridge.ros2graph.values.graph import EndpointRole
@@ -16,6 +23,7 @@ from thbridge.ros2graph.wire.zenoh.attachments import Attachment
 from thbridge.ros2graph.wire.zenoh.keys import SessionKeys, data_key
 from thbridge.sockets.addresses import Address
 from thbridge.sockets.errors import CannotReach
+from thbridge.sockets.warn_once import WarnOnce
 
 TOPIC = "/robot1/chatter"
 KEY = data_key(DOMAIN, TOPIC, STRING.dds_name, STRING.hash)
@@ -178,7 +186,10 @@ def test_another_program_at_the_address_is_no_router(monkeypatch):
     run(scenario)
 
 
-def test_a_flood_while_the_loop_is_busy_keeps_the_last_messages():
+def test_a_flood_while_the_loop_is_busy_keeps_the_last_messages(caplog, monkeypatch):
+    # Other tests may have used up the warnings of this process.
+    monkeypatch.setattr(zenoh_endpoints, "_warnings", WarnOnce(logging.getLogger("flooded")))
+
     async def scenario():
         async with router() as at, carriers(2, at) as (here, there):
             got, flooded = [], threading.Event()
@@ -197,6 +208,8 @@ def test_a_flood_while_the_loop_is_busy_keeps_the_last_messages():
             assert (writer.dropped, sent.dropped) == (0, 0)
 
     run(scenario)
+    assert [each.name for each in caplog.records].count("flooded") == 1
+    assert "the last 3 are kept" in caplog.text
 
 
 def test_hostile_messages_and_requests_are_dropped_and_the_honest_ones_arrive():
@@ -256,3 +269,41 @@ def test_it_listens_on_this_machine_only():
     assert settings["listen"]["endpoints"] == ["tcp/127.0.0.1:0"]
     assert settings["connect"]["endpoints"] == ["tcp/robot:7447"]
     assert settings["scouting"]["multicast"]["enabled"] is False
+
+
+FLOOD = """
+import sys
+import zenoh
+from thbridge.ros2graph.sockets.zenoh_settings import peer_settings
+from thbridge.ros2graph.wire.zenoh.attachments import Attachment
+from thbridge.sockets.addresses import Address
+
+session = zenoh.open(peer_settings("abc", Address("127.0.0.1", int(sys.argv[1]))))
+publisher = session.declare_publisher(sys.argv[2], congestion_control=zenoh.CongestionControl.BLOCK)
+sys.stdin.readline()
+for number in range(100_000):
+    publisher.put(bytes(10_000), attachment=Attachment(1, 1, bytes(16)).write())
+"""
+
+
+def resident() -> int:
+    """Return the number of bytes of this process in memory."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+
+
+@pytest.mark.slow
+def test_a_gigabyte_from_another_program_does_not_stay_in_memory():
+    async def scenario():
+        async with router() as at, carriers(1, at) as (here,):
+            got = []
+            here.subscribe(NODE, TOPIC, STRING, DEFAULT, lambda message, gid: got.append(len(message)))
+            flood = subprocess.Popen([sys.executable, "-c", FLOOD, str(at.port), KEY], stdin=subprocess.PIPE)
+            before = resident()
+            flood.communicate(b"begin\n", timeout=50)  # The loop does nothing in the meantime.
+            grown = resident() - before
+            assert flood.returncode == 0
+            await until(lambda: got)
+            assert set(got) == {10_000}
+            assert grown < 200 << 20
+
+    run(scenario)
