@@ -52,7 +52,7 @@ def recorded_ticks(log: Path) -> dict[int, float]:
 
 def lost_seconds(path: Path, whole: dict[int, Said], recorded: dict[int, float], killed: float) -> float:
     """Seconds from the first thing that is lost to the kill; everything before it must be there."""
-    saved = by_stamp(path) if any(part.exists() for part in parts_of(path)) else {}
+    saved = by_stamp(path) if any(part.is_file() for part in parts_of(path)) else {}
     if not saved:
         return killed - min(recorded.values(), default=killed)
     last = max(saved)

@@ -132,7 +132,8 @@ def make_room(bag: Path) -> Path | None:
         claim(bag)
     if is_folder(bag):
         old = [bag] if bag.exists() and not _is_empty(bag) else []
-        if old and not ((bag / METADATA).is_file() or files_in(bag, MCAP) or files_in(bag, MCAP + ACTIVE)):
+        ours = (bag / METADATA, journal_of(bag), tlog_of(bag), *bag.glob(f"*{MCAP}*"))
+        if old and not any(path.exists() for path in ours):
             release(bag)
             raise BadFile(bag, "something other than a recording has this name", "choose another name")
     else:

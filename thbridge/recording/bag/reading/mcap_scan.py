@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
 from mcap.records import Channel, Schema
 
 from thbridge.files.disk.regular_files import open_regular
@@ -106,7 +107,7 @@ def _records(file: BinaryIO, end: int) -> Iterator[McapRecord]:
                 channel = Channel.read(_stream(content))
                 yield _connection(channel, schemas)
                 known.add(channel.id)
-        except (_Torn, struct.error, ValueError, LookupError, OSError, RuntimeError, EOFError) as torn:
+        except (_Torn, McapError, struct.error, ValueError, LookupError, OSError, RuntimeError, EOFError) as torn:
             yield UnreadableSpan(at, min(at_end, end) - at, str(torn) or "a record cannot be read")
         at = file.seek(at_end)
 
@@ -120,23 +121,29 @@ def _chunk(at: int, content: bytes, size: int, known: set[int], so_far: Unpacked
     yield ChunkRecord(at, compression, packed_size, length, None)
     data = unpacked_zstd(packed, length) if compression is Compression.ZSTD else unpacked(compression, packed, length)
     so_far.add(len(data))
-    is_whole = len(content) == size and len(data) == length
-    if is_whole and compression is not Compression.NONE and zlib.crc32(data) != crc:
+    is_wrong = len(content) == size and len(data) == length and zlib.crc32(data) != crc
+    if is_wrong and compression is not Compression.NONE:
         raise _Torn("the checksum of a chunk is wrong")
-    place = 0
+    place, last, waiting = 0, 0, None
     while place + MESSAGE_HEAD.size <= len(data):
         opcode, message_size, channel, _, stamp_ns, _ = MESSAGE_HEAD.unpack_from(data, place)
         after = place + HEAD.size + message_size
         if opcode != MESSAGE or channel not in known or after > len(data) or after < place + MESSAGE_HEAD.size:
             break
-        yield MessageRecord(channel, stamp_ns, data[place + MESSAGE_HEAD.size : after])
-        place = after
+        if waiting is not None:
+            yield waiting
+        waiting = MessageRecord(channel, stamp_ns, data[place + MESSAGE_HEAD.size : after])
+        last, place = place, after
+    if is_wrong:
+        place = last  # After a power failure, the last message before lost bytes may be partly lost, too.
+    elif waiting is not None:
+        yield waiting
     if place < length:
         lost = (len(data) if compression is Compression.NONE else length) - place
         missing = size - len(content)
-        problem = (
-            f"the file ends {missing} bytes too early" if missing > 0 else "a chunk ends in the middle of a record"
-        )
+        problem = "a chunk ends in the middle of a record, or its checksum is wrong"
+        if missing > 0:
+            problem = f"the file ends {missing} bytes too early"
         yield UnreadableSpan(at, lost, problem)
 
 
