@@ -49,7 +49,7 @@ def check_is_bag(path: Path) -> None:
             raise unfinished(active) from error
         raise BadFile(path, "no such file or directory", "name a bag that can be read") from error
     except OSError as error:
-        if (active := unfinished_of(path)) is not None:
+        if isinstance(error, IsADirectoryError) and unfinished_of(path) is not None:
             raise unfinished(path) from error
         raise BadFile(path, (error.strerror or str(error)).lower(), "name a bag that can be read") from error
     if head.startswith(MCAP_MAGIC) and path.name.endswith(ACTIVE):
