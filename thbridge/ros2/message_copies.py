@@ -85,8 +85,8 @@ _Place: TypeAlias = "_Span | int | list[_Place] | None"
 class MessageCopy:
     """Function that copies messages of one type from one serialization to the other.
 
-    Fields with equal names correspond. Fields that only the target has are 0 or empty. Fields that only the source has
-    are omitted.
+    Fields with equal names correspond, also if only upper and lower case differ. Fields that only the target has are 0
+    or empty. Fields that only the source has are omitted.
 
     Args:
         source: types of the source.
@@ -307,6 +307,9 @@ class _Writer:
 def _structure(source: Typesdict, source_type: str, target: Typesdict, target_type: str) -> _Node:
     """Return the node of a structure: a block if it consists of numbers without padding, the same in both."""
     ours, theirs = _fields(source, source_type), _fields(target, target_type)
+    # ROS 2 spells some names in lower case: sensor_msgs/CameraInfo has the field `K` in ROS 1, and `k` in ROS 2.
+    unmatched = {name.lower(): name for name in theirs if name not in ours}
+    ours = {name if name in theirs else unmatched.get(name.lower(), name): kind for name, kind in ours.items()}
     numbers = {name: number for number, name in enumerate(ours)}
     both = {name: _node(source, described, target, theirs[name]) for name, described in ours.items() if name in theirs}
     if list(ours) == list(theirs):

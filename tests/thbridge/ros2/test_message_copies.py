@@ -23,6 +23,7 @@ NAMES = [
     *types.OWN_TYPES, *types.MAVROS_TYPES, types.TFMESSAGE, types.ODOMETRY, types.PATH, types.OCCUPANCY_GRID,
     types.LASER_SCAN, types.BATTERY_STATE, types.POSE_ARRAY, types.MARKER_ARRAY, types.POLYGON_STAMPED,
     types.MOVE_BASE_FEEDBACK, types.GOAL_STATUS_ARRAY, types.DIAGNOSTIC_ARRAY, types.STRING, types.BOOL,
+    "sensor_msgs/CameraInfo", "stereo_msgs/DisparityImage", "sensor_msgs/PointCloud2", "sensor_msgs/Imu",
 ]  # fmt: skip
 
 
