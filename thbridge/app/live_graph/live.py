@@ -166,7 +166,7 @@ class LiveGraph:
             if publication is not None:
                 data = message.data
                 if self._external.amcl and message.topic.name == names.TF:
-                    data = self._without_corrections(data)
+                    data = without_corrections(data)
                 publication.publish(data)
             current = self._current_goals.get(message.topic.name)
             if current is not None:
@@ -182,12 +182,6 @@ class LiveGraph:
         if self._external.move_base and (word.startswith("move_base") or word == "cmd_vel"):
             return True
         return self._external.amcl and word in OF_AMCL
-
-    def _without_corrections(self, data: bytes) -> bytes:
-        """Return a message without the transforms of the map, which the external amcl publishes."""
-        return pack.stamped_transforms(
-            [piece for parent, piece in unpack.transform_pieces(data) if parent != MAP_FRAME]
-        )
 
     def _publish_recoveries(self) -> None:
         """Publish all recovery behaviors that robots have begun in the last tick."""
@@ -301,6 +295,11 @@ class LiveGraph:
             _log.info("%s: no plan: %s", self._robots[robot].topic("move_base/make_plan"), plan.sentence)
             return pack.path(self._tick, MAP_FRAME, NO_POSES)
         return pack.path(self._tick, MAP_FRAME, plan)
+
+
+def without_corrections(data: bytes) -> bytes:
+    """Return a message of transforms without those of the map, which an external amcl publishes."""
+    return pack.stamped_transforms([piece for parent, piece in unpack.transform_pieces(data) if parent != MAP_FRAME])
 
 
 @asynccontextmanager

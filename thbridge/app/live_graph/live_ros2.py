@@ -14,12 +14,13 @@ from sim.robot.global_planning.path import PlanRefusal
 from sim.robot.navigator.navigation import Navigation
 from sim.team import Team
 from thbridge.app.live_graph.client_messages import ClientRequests
-from thbridge.app.live_graph.live import TeamDescription
+from thbridge.app.live_graph.live import TeamDescription, without_corrections
 from thbridge.app.live_graph.live_node_parameters import LiveNodeParameters
 from thbridge.app.live_graph.live_node_services import LiveNodeServices, offer_logger_levels
 from thbridge.app.session.mavros import frame_in
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.roles.shared.robot_requests import Request
+from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.cursor import Cursor
@@ -157,6 +158,8 @@ class LiveRos2Graph:
         self._parameters.follow(tick, self._team.parameters)
         self._services.take(messages)
         for message in (clock_message(tick), *messages):
+            if self._external.amcl and message.topic.name == names.TF:
+                message = message._replace(data=without_corrections(message.data))  # noqa: PLW2901
             if not message.foreign:
                 for topic in self._by_topic.get(message.topic.name, ()):
                     if topic.take(message):
