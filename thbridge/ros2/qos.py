@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 
-class Reliability(IntEnum):
-    """Whether lost messages are sent again. The numbers are those of rmw."""
+class DeliveryReliability(IntEnum):
+    """Delivery with or without repetition of lost messages. The numbers are those of rmw."""
 
     RELIABLE = 1
     BEST_EFFORT = 2
 
 
 class Durability(IntEnum):
-    """Whether late subscribers get the last messages. The numbers are those of rmw."""
+    """Delivery with or without the last messages for late subscribers. The numbers are those of rmw."""
 
     TRANSIENT_LOCAL = 1
     VOLATILE = 2
@@ -27,13 +27,13 @@ class QosProfile:
 
     Attributes:
         depth: number of messages that are kept.
-        reliability: whether lost messages are sent again.
-        durability: whether late subscribers get the kept messages.
+        reliability: repetition of lost messages.
+        durability: delivery of the kept messages to late subscribers.
         lifespan_ns: time after which a kept message is no longer sent, nanoseconds. None for no limit.
     """
 
     depth: int = 10
-    reliability: Reliability = Reliability.RELIABLE
+    reliability: DeliveryReliability = DeliveryReliability.RELIABLE
     durability: Durability = Durability.VOLATILE
     lifespan_ns: int | None = None
 
@@ -43,7 +43,7 @@ class QosProfile:
 
 
 DEFAULT = QosProfile()
-SENSOR_DATA = QosProfile(5, Reliability.BEST_EFFORT)
+SENSOR_DATA = QosProfile(5, DeliveryReliability.BEST_EFFORT)
 LATCHED = QosProfile(1, durability=Durability.TRANSIENT_LOCAL)
 SERVICES = QosProfile()
 PARAMETER_EVENTS = QosProfile(1000)

@@ -12,7 +12,7 @@ from thbridge.ros.names import RobotNames
 from thbridge.ros.rviz import Section, Value, sections, write_sections
 from thbridge.ros.topics import Planners, RobotTopics
 from thbridge.ros2.distribution import Distribution
-from thbridge.ros2.qos import DEFAULT, Durability, QosProfile, Reliability
+from thbridge.ros2.qos import DEFAULT, DeliveryReliability, Durability, QosProfile
 from thbridge.ros2.topics import PARTICLE_CLOUD, Ros2Topic, SessionTopics
 
 _COMMON = {"Displays", "Group"}
@@ -65,5 +65,5 @@ def _topic(name: str, qos: QosProfile) -> Section:
         "Depth": qos.depth,
         "Durability Policy": "Volatile" if qos.durability is Durability.VOLATILE else "Transient Local",
         "History Policy": "Keep Last",
-        "Reliability Policy": "Reliable" if qos.reliability is Reliability.RELIABLE else "Best Effort",
+        "DeliveryReliability Policy": "Reliable" if qos.reliability is DeliveryReliability.RELIABLE else "Best Effort",
     }

@@ -83,7 +83,7 @@ asyncio.run(main())
 
 LISTEN_ROS2 = """
 import asyncio, json, sys, time
-from thbridge.ros2.qos import QosProfile, Durability, Reliability
+from thbridge.ros2.qos import QosProfile, Durability, DeliveryReliability
 from thbridge.ros2.supports import MessageSupport
 from thbridge.ros2graph.sockets.dds import DdsCarrier
 from thbridge.ros2graph.values.graph import NodeName
@@ -111,7 +111,7 @@ async def main():
         node = NodeName("/", f"listener{each}")
         for name, kind, hash_, depth, reliability, durability in topics:
             take = tick if name == "/clock" and each == 0 else hear
-            qos = QosProfile(depth, Reliability(reliability), Durability(durability))
+            qos = QosProfile(depth, DeliveryReliability(reliability), Durability(durability))
             carrier.subscribe(node, name, MessageSupport(kind, hash_), qos, take)
         await carrier.start()
     await over.wait()

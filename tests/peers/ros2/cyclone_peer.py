@@ -63,7 +63,9 @@ def profile(wanted):
     """Return a quality of service from [depth, is reliable, is latched]."""
     depth, reliable, latched = wanted
     return Qos(
-        Policy.Reliability.Reliable(duration(milliseconds=100)) if reliable else Policy.Reliability.BestEffort,
+        Policy.DeliveryReliability.Reliable(duration(milliseconds=100))
+        if reliable
+        else Policy.DeliveryReliability.BestEffort,
         Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile,
         Policy.History.KeepLast(depth),
     )

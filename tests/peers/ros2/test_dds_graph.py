@@ -6,7 +6,7 @@ import pytest
 
 from tests.peers.ros2.peer_messages import GRID, SET_BOOL, STRING, grid, request, response, string, text_of
 from tests.peers.ros2.peer_process import DOMAIN, PeerProcess, joined, needs_ros2, peer, until, with_timeout
-from thbridge.ros2.qos import DEFAULT, LATCHED, SENSOR_DATA, Durability, QosProfile, Reliability
+from thbridge.ros2.qos import DEFAULT, LATCHED, SENSOR_DATA, DeliveryReliability, Durability, QosProfile
 from thbridge.ros2graph.sockets.dds import DdsCarrier
 from thbridge.ros2graph.values.graph import EndpointRole, NodeName
 
@@ -73,8 +73,8 @@ async def test_we_see_nodes_and_endpoints_of_rclpy() -> None:
         }
         name = found["/map_name"]
         assert (name.node, name.type, name.hash) == (NodeName("/peer", "theirs"), STRING.name, STRING.hash)
-        assert (name.qos.reliability, name.qos.durability) == (Reliability.RELIABLE, Durability.TRANSIENT_LOCAL)
-        assert found["/scan_name"].qos.reliability == Reliability.BEST_EFFORT
+        assert (name.qos.reliability, name.qos.durability) == (DeliveryReliability.RELIABLE, Durability.TRANSIENT_LOCAL)
+        assert found["/scan_name"].qos.reliability == DeliveryReliability.BEST_EFFORT
         assert found["/peer/enable"].type == SET_BOOL.name
         assert carrier.node_of(name.gid) == "/peer/theirs"
         await other.end()

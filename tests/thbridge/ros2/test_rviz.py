@@ -12,7 +12,7 @@ from sim.world.sensors import mount_of
 from tests.support.programs.commands import invoke
 from thbridge.ros.publisher import TeamPublisher
 from thbridge.ros2.distribution import Distribution
-from thbridge.ros2.qos import DEFAULT, Durability, QosProfile, Reliability
+from thbridge.ros2.qos import DEFAULT, DeliveryReliability, Durability, QosProfile
 from thbridge.ros2.rviz import rviz2_configuration
 from thbridge.ros2.topics import SessionTopics
 from thbridge.study.built_in import STANDARD
@@ -48,7 +48,9 @@ def qos_of(topic: dict) -> QosProfile:
     assert topic["History Policy"] == "Keep Last"
     return QosProfile(
         topic["Depth"],
-        {"Reliable": Reliability.RELIABLE, "Best Effort": Reliability.BEST_EFFORT}[topic["Reliability Policy"]],
+        {"Reliable": DeliveryReliability.RELIABLE, "Best Effort": DeliveryReliability.BEST_EFFORT}[
+            topic["DeliveryReliability Policy"]
+        ],
         {"Volatile": Durability.VOLATILE, "Transient Local": Durability.TRANSIENT_LOCAL}[topic["Durability Policy"]],
     )
 

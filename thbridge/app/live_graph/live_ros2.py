@@ -265,7 +265,7 @@ async def on_ros2_graph(
 
 
 class _TopicWriter:
-    """Publisher of one topic. Messages are converted only if somebody gets them.
+    """Publisher of one topic. Messages are converted only if there are subscriptions.
 
     Attributes:
         session_topic: name of the topic of the session.

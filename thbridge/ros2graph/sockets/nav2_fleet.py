@@ -26,7 +26,7 @@ from thbridge.ros2.actions import CancelAnswer, GoalInfo
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.nav2_goals import Nav2Cancel, Nav2Goal, Nav2Goals
 from thbridge.ros2.navigate_to_pose import NAVIGATE_TO_POSE
-from thbridge.ros2.qos import DEFAULT, LATCHED, TF, QosProfile, Reliability
+from thbridge.ros2.qos import DEFAULT, LATCHED, TF, DeliveryReliability, QosProfile
 from thbridge.ros2.topics import TWIST, TWIST_STAMPED, stamped_twist, type_of_ros1
 from thbridge.ros2graph.sockets.action_client import GraphActionClient
 from thbridge.ros2graph.sockets.carrier import GraphCarrier, GraphWriter
@@ -42,7 +42,7 @@ LOOK_TICKS = 50
 STOP_SECONDS = 1.0
 """Maximum time for which the program waits for the answers to its last cancel requests."""
 
-_STREAM = QosProfile(10, Reliability.BEST_EFFORT)
+_STREAM = QosProfile(10, DeliveryReliability.BEST_EFFORT)
 """Publishers with any quality of service satisfy this."""
 _LOG_LEVELS = {10: 1, 20: 2, 30: 4, 40: 8, 50: 16}
 """Severities of rcl_interfaces/Log, and those of rosgraph_msgs/Log."""

@@ -11,7 +11,7 @@ import zenoh
 from zenoh import ext
 from zenoh.handlers import Callback
 
-from thbridge.ros2.qos import Durability, QosProfile, Reliability
+from thbridge.ros2.qos import DeliveryReliability, Durability, QosProfile
 from thbridge.ros2graph.sockets.carrier import OnMessage, OnRequest
 from thbridge.ros2graph.sockets.last_items import LastItems
 from thbridge.ros2graph.sockets.zenoh_link import ZenohLink
@@ -217,8 +217,8 @@ def _attachment(data: zenoh.ZBytes | None, key: str) -> Attachment | None:
 
 
 def _publisher(session: zenoh.Session, key: str, qos: QosProfile) -> zenoh.Publisher | ext.AdvancedPublisher:
-    is_reliable = qos.reliability is Reliability.RELIABLE
-    reliability = zenoh.Reliability.RELIABLE if is_reliable else zenoh.Reliability.BEST_EFFORT
+    is_reliable = qos.reliability is DeliveryReliability.RELIABLE
+    reliability = zenoh.DeliveryReliability.RELIABLE if is_reliable else zenoh.DeliveryReliability.BEST_EFFORT
     drop = zenoh.CongestionControl.DROP
     if qos.durability is Durability.VOLATILE:
         return session.declare_publisher(key, reliability=reliability, congestion_control=drop)
@@ -247,6 +247,6 @@ def _subscriber(
         take,
         allowed_origin=origin,
         history=ext.HistoryConfig(detect_late_publishers=True, max_samples=qos.depth),
-        recovery=recovery if qos.reliability is Reliability.RELIABLE else None,
+        recovery=recovery if qos.reliability is DeliveryReliability.RELIABLE else None,
         subscriber_detection=True,
     )

@@ -6,7 +6,7 @@ Source: DDSI-RTPS 2.3, sections 8.5 and 9.6.2.2.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from thbridge.ros2.qos import Durability, QosProfile, Reliability
+from thbridge.ros2.qos import DeliveryReliability, Durability, QosProfile
 from thbridge.ros2graph.wire.rtps import parameters
 from thbridge.ros2graph.wire.rtps.guids import PARTICIPANT, PREFIX_SIZE, Guid, is_reader, is_writer
 from thbridge.ros2graph.wire.rtps.parameters import Parameter, Pid, UdpAddress, decode_payload, encode_payload
@@ -128,7 +128,7 @@ class EndpointData:
 
     def encode(self) -> bytes:
         """Return the payload that announces it."""
-        is_reliable = self.qos.reliability == Reliability.RELIABLE
+        is_reliable = self.qos.reliability == DeliveryReliability.RELIABLE
         is_latched = self.qos.durability == Durability.TRANSIENT_LOCAL
         return encode_payload(
             [
@@ -187,7 +187,7 @@ class EndpointData:
         is_reliable = is_writer(guid) if reliability is None else reliability >= 2
         qos = QosProfile(
             depth,
-            Reliability.RELIABLE if is_reliable else Reliability.BEST_EFFORT,
+            DeliveryReliability.RELIABLE if is_reliable else DeliveryReliability.BEST_EFFORT,
             Durability.TRANSIENT_LOCAL if durability else Durability.VOLATILE,
             lifespan_ns,
         )

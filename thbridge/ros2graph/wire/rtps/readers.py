@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from thbridge.ros2.qos import QosProfile, Reliability
+from thbridge.ros2.qos import DeliveryReliability, QosProfile
 from thbridge.ros2graph.wire.rtps.discovery import is_disposed
 from thbridge.ros2graph.wire.rtps.guids import Guid
 from thbridge.ros2graph.wire.rtps.outbox import Destination, Outbox
@@ -173,7 +173,7 @@ class RtpsReader:
             return True
         if len(self._writers) >= MOST_WRITERS:
             return False
-        reliable = qos.reliability == self.qos.reliability == Reliability.RELIABLE
+        reliable = qos.reliability == self.qos.reliability == DeliveryReliability.RELIABLE
         matched = _MatchedWriter(writer, destination, reliable, first_request, None if reliable else 1)
         self._writers[writer] = matched
         if reliable:

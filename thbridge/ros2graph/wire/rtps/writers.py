@@ -7,7 +7,7 @@ slow gets a gap instead of the others.
 from collections.abc import Sequence, Set
 from dataclasses import dataclass
 
-from thbridge.ros2.qos import Durability, QosProfile, Reliability
+from thbridge.ros2.qos import DeliveryReliability, Durability, QosProfile
 from thbridge.ros2graph.wire.rtps.guids import UNKNOWN, Guid
 from thbridge.ros2graph.wire.rtps.outbox import Destination, Outbox
 from thbridge.ros2graph.wire.rtps.submessages import (
@@ -119,7 +119,7 @@ class RtpsWriter:
             return False
         both = (self.qos.durability, qos.durability)
         start = 1 if both == (Durability.TRANSIENT_LOCAL, Durability.TRANSIENT_LOCAL) else self._last + 1
-        reliable = qos.reliability == self.qos.reliability == Reliability.RELIABLE
+        reliable = qos.reliability == self.qos.reliability == DeliveryReliability.RELIABLE
         matched = _MatchedReader(reader[-4:], destination, reliable, start, start - 1)
         self._readers[reader] = matched
         self._route()
@@ -150,7 +150,7 @@ class RtpsWriter:
             pieces = (encode_data(self.id, sequence, payload, stamp_ns, inline, key=key),)
         else:
             pieces = encode_fragments(self.id, sequence, payload, stamp_ns, self._fragment_size, inline)
-        if self.qos.reliability == Reliability.RELIABLE:
+        if self.qos.reliability == DeliveryReliability.RELIABLE:
             self._history[sequence] = _Kept(pieces, stamp_ns, only)
             if len(self._history) > self._depth:
                 self._evict(next(iter(self._history)))

@@ -5,7 +5,7 @@ Source: rmw_zenoh, liveliness_utils.cpp and qos.cpp.
 
 import re
 
-from thbridge.ros2.qos import Durability, QosProfile, Reliability
+from thbridge.ros2.qos import DeliveryReliability, Durability, QosProfile
 
 _DEPTH = 42
 """Depth that rmw_zenoh writes as an empty field."""
@@ -22,7 +22,7 @@ _QOS = re.compile(
 
 def write_qos(qos: QosProfile) -> str:
     """Return the text of a quality of service, for example "::,10:,:,:,," for the default of ROS 2."""
-    reliability = "" if qos.reliability is Reliability.RELIABLE else f"{qos.reliability:d}"
+    reliability = "" if qos.reliability is DeliveryReliability.RELIABLE else f"{qos.reliability:d}"
     durability = "" if qos.durability is Durability.VOLATILE else f"{qos.durability:d}"
     depth = "" if qos.depth == _DEPTH else f"{qos.depth}"
     lifespan = _INFINITE if qos.lifespan_ns is None else divmod(qos.lifespan_ns, _SECOND)
@@ -42,7 +42,7 @@ def read_qos(text: str) -> QosProfile | None:
     lifespan = int(seconds or _INFINITE[0]), int(rest or _INFINITE[1])
     return QosProfile(
         int(depth or _DEPTH),
-        Reliability.BEST_EFFORT if reliability == "2" else Reliability.RELIABLE,
+        DeliveryReliability.BEST_EFFORT if reliability == "2" else DeliveryReliability.RELIABLE,
         Durability.TRANSIENT_LOCAL if durability == "1" else Durability.VOLATILE,
         None if lifespan == _INFINITE else lifespan[0] * _SECOND + lifespan[1],
     )

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.ros2.qos import Durability, QosProfile, Reliability
+from thbridge.ros2.qos import DeliveryReliability, Durability, QosProfile
 from thbridge.ros2graph.values.graph import EndpointRole, NodeName
 from thbridge.ros2graph.wire.rtps import ros_names
 from thbridge.ros2graph.wire.rtps.correlation import (
@@ -51,7 +51,7 @@ names = st.from_regex(r"[A-Za-z0-9_]{1,20}", fullmatch=True)
 qualities = st.builds(
     QosProfile,
     st.integers(1, 2**31),
-    st.sampled_from(Reliability),
+    st.sampled_from(DeliveryReliability),
     st.sampled_from(Durability),
     st.none() | st.integers(0, 10**15),
 )

@@ -4,13 +4,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.ros2.qos import LATCHED, ROSOUT, SENSOR_DATA, Durability, QosProfile, Reliability
+from thbridge.ros2.qos import LATCHED, ROSOUT, SENSOR_DATA, DeliveryReliability, Durability, QosProfile
 from thbridge.ros2graph.wire.zenoh.qos_text import read_qos, write_qos
 
 profiles = st.builds(
     QosProfile,
     st.integers(1, 9_999_999_999),
-    st.sampled_from(Reliability),
+    st.sampled_from(DeliveryReliability),
     st.sampled_from(Durability),
     st.none() | st.integers(0, 9_223_372_035_000_000_000),
 )
