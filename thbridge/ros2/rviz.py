@@ -65,5 +65,5 @@ def _topic(name: str, qos: QosProfile) -> Section:
         "Depth": qos.depth,
         "Durability Policy": "Volatile" if qos.durability is Durability.VOLATILE else "Transient Local",
         "History Policy": "Keep Last",
-        "DeliveryReliability Policy": "Reliable" if qos.reliability is DeliveryReliability.RELIABLE else "Best Effort",
+        "Reliability Policy": "Reliable" if qos.reliability is DeliveryReliability.RELIABLE else "Best Effort",
     }

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from tests.peers.mavlink.mavlink_hunter import OWN, Hunter
+from tests.peers.mavlink_hunter import OWN, Hunter
 from tests.peers.ros_programs import NEEDS_ROS, Ros, clean
 from tests.peers.window_player import Player, Sight, on
 from tests.support.programs.peer_programs import run_peer

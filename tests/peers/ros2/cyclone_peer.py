@@ -63,9 +63,7 @@ def profile(wanted):
     """Return a quality of service from [depth, is reliable, is latched]."""
     depth, reliable, latched = wanted
     return Qos(
-        Policy.DeliveryReliability.Reliable(duration(milliseconds=100))
-        if reliable
-        else Policy.DeliveryReliability.BestEffort,
+        Policy.Reliability.Reliable(duration(milliseconds=100)) if reliable else Policy.Reliability.BestEffort,
         Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile,
         Policy.History.KeepLast(depth),
     )

@@ -10,7 +10,7 @@ import pytest
 
 from sim.common.observations import TICK
 from sim.world.sensors import mount_of
-from tests.peers.mavlink.mavlink_hunter import Hunter
+from tests.peers.mavlink_hunter import Hunter
 from tests.peers.ros_programs import NEEDS_ROS, Ros
 from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_port, free_udp_port

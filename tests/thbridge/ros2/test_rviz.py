@@ -49,7 +49,7 @@ def qos_of(topic: dict) -> QosProfile:
     return QosProfile(
         topic["Depth"],
         {"Reliable": DeliveryReliability.RELIABLE, "Best Effort": DeliveryReliability.BEST_EFFORT}[
-            topic["DeliveryReliability Policy"]
+            topic["Reliability Policy"]
         ],
         {"Volatile": Durability.VOLATILE, "Transient Local": Durability.TRANSIENT_LOCAL}[topic["Durability Policy"]],
     )

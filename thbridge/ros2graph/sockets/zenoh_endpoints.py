@@ -218,7 +218,7 @@ def _attachment(data: zenoh.ZBytes | None, key: str) -> Attachment | None:
 
 def _publisher(session: zenoh.Session, key: str, qos: QosProfile) -> zenoh.Publisher | ext.AdvancedPublisher:
     is_reliable = qos.reliability is DeliveryReliability.RELIABLE
-    reliability = zenoh.DeliveryReliability.RELIABLE if is_reliable else zenoh.DeliveryReliability.BEST_EFFORT
+    reliability = zenoh.Reliability.RELIABLE if is_reliable else zenoh.Reliability.BEST_EFFORT
     drop = zenoh.CongestionControl.DROP
     if qos.durability is Durability.VOLATILE:
         return session.declare_publisher(key, reliability=reliability, congestion_control=drop)

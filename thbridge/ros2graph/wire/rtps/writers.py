@@ -266,9 +266,10 @@ class RtpsWriter:
 
     def _evict(self, sequence: int) -> None:
         del self._history[sequence]
-        self.dropped += sum(
-            reader.reliable and reader.acknowledged < sequence >= reader.start for reader in self._readers.values()
-        )
+        lacking = [
+            each for each in self._readers.values() if each.reliable and each.acknowledged < sequence >= each.start
+        ]
+        self.dropped += len(lacking)
 
     def _route(self) -> None:
         """Find the destinations of live samples: one for each participant, not for each reader."""
