@@ -401,7 +401,8 @@ class _Hunt:
 
     async def serve(self, opened: AsyncExitStack, callbacks: StartupCallbacks) -> None:
         """Admit ground stations and other programs."""
-        if self._setting.study.mavlink.on and self._options.graph is not None:
+        on_graph = self._options.graph is not None or self._options.ros2 is not None
+        if self._setting.study.mavlink.on and on_graph:
             self._graph.open()
         if self._links is not None:
             server, reached_by = self._links

@@ -132,7 +132,7 @@ def hosts_of(graph: GraphAddress | None, quiet: bool = False, ros2: Ros2Address 
         if isinstance(rivals, CannotListen | CannotReach):
             fail(BAD_INPUT, f"ROS 2: {rivals}")
         if rivals:
-            problem = f"another program in this domain already has the node {rivals[0]}"
+            problem = f"{rivals[0]}, a node of another program in this domain, already speaks for these robots"
             fail(BAD_INPUT, f"ROS 2: {problem}. Stop it, or choose another domain with --ros2-domain.")
         if not quiet:
             note(f"ROS 2: {ros2}.")

@@ -25,7 +25,9 @@ def offers(node):
     found = {}
     for topic, _ in node.get_topic_names_and_types():
         for info in node.get_publishers_info_by_topic(topic):
-            if info.node_name != node.get_name() and "/_action/" not in topic:
+            # The names of nodes arrive after their endpoints.
+            is_known = not info.node_name.startswith("_NODE_NAME")
+            if is_known and info.node_name != node.get_name() and "/_action/" not in topic:
                 found[topic, info.topic_type] = info
     return found
 

@@ -79,6 +79,7 @@ class LoopbackGraph:
 
     def __init__(self) -> None:
         self.pending: deque[Callable[[], None]] = deque()
+        self.programs: list[LoopbackCarrier] = []
         self.readers: list[_Reader] = []
         self.writers: list[LoopbackWriter] = []
         self.servers: dict[str, OnRequest] = {}
@@ -99,7 +100,8 @@ class LoopbackCarrier:
 
     def __init__(self, graph: LoopbackGraph) -> None:
         self._graph = graph
-        self._nodes: list[NodeName] = []
+        self.own: list[NodeName] = []
+        graph.programs.append(self)
 
     async def start(self) -> CannotListen | CannotReach | None:
         return None
@@ -114,7 +116,7 @@ class LoopbackCarrier:
         graph.owners = [(owner, endpoint) for owner, endpoint in graph.owners if owner is not self]
 
     def add_node(self, node: NodeName) -> None:
-        self._nodes.append(node)
+        self.own.append(node)
 
     def publish(self, node: NodeName, topic: str, support: MessageSupport, qos: QosProfile) -> GraphWriter:
         gid = self._own(EndpointRole.PUBLISHER, node, topic, support, qos)
@@ -144,7 +146,7 @@ class LoopbackCarrier:
         )
 
     def nodes(self) -> Sequence[NodeName]:
-        return []
+        return [node for program in self._graph.programs if program is not self for node in program.own]
 
     def endpoints(self) -> Sequence[GraphEndpoint]:
         return [endpoint for owner, endpoint in self._graph.owners if owner is not self]

@@ -93,6 +93,7 @@ class LiveRos2Graph:
             carrier.add_node(node)
         self._services = LiveNodeServices(services, distribution, self._parameters.nodes, *shared)
         offer_logger_levels(services, distribution, self._nodes[CALLER])
+        self._published: set[str] = set()
         self._topics = [
             topic
             for name, targets in SessionTopics(distribution, description.topics, team.size).targets.items()
@@ -119,6 +120,7 @@ class LiveRos2Graph:
         for topic, convert in targets:
             node = self._nodes.get(topic.node)
             if node is not None:
+                self._published.add(topic.name)
                 writer = self._carrier.publish(node, topic.name, self._distribution.message(topic.type), topic.qos)
                 yield _TopicWriter(name, topic, writer, convert)
 
@@ -132,16 +134,19 @@ class LiveRos2Graph:
         failure = await self._carrier.start()
         if failure is not None:
             return failure
-        rivals = await find_nodes(self._carrier, self._is_mine)
+        # Clients publish commands. All other topics in the namespace of a robot belong to the robot.
+        own = {
+            topic
+            for robot in self._robots
+            for topic in self._published - {robot.topic("cmd_vel"), VehicleTopics(robot).received.name}
+            if topic.startswith(f"{robot.namespace}/")
+        }
+        rivals = await find_nodes(self._carrier, self._nodes.__contains__, own)
         if rivals:
             await self._carrier.stop()
         else:
             self._parameters.announce(0)
         return rivals
-
-    def _is_mine(self, node: str) -> bool:
-        """Return True for the name of a node of this session, and for drivers of a robot of the same name."""
-        return node in self._nodes
 
     async def leave(self) -> None:
         """Leave the graph."""

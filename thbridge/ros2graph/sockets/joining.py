@@ -1,11 +1,12 @@
 """Joining a ROS 2 graph: its carrier, and a look at the nodes that are already there."""
 
 import asyncio
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 from thbridge.ros2graph.sockets.carrier import GraphCarrier
 from thbridge.ros2graph.sockets.dds import DdsCarrier
 from thbridge.ros2graph.values.address import CarrierKind, Ros2Address
+from thbridge.ros2graph.values.graph import EndpointRole
 from thbridge.sockets.addresses import parse_address
 from thbridge.sockets.admission import OWN_MACHINE, Admission
 
@@ -35,16 +36,22 @@ def carrier_of(address: Ros2Address, admission: Admission = OWN_MACHINE) -> Grap
     return ZenohCarrier(address.domain, router)
 
 
-async def find_nodes(carrier: GraphCarrier, is_sought: Callable[[str], bool]) -> Sequence[str]:
-    """Look for other programs' nodes with certain full names, and return the names as soon as there is one.
+async def find_nodes(
+    carrier: GraphCarrier, is_sought: Callable[[str], bool], published: Collection[str] = ()
+) -> Sequence[str]:
+    """Look for other programs' nodes, and return their full names as soon as there is one.
 
     Args:
         carrier: the carrier, which has joined the graph.
         is_sought: function that returns True for a full name that is looked for.
+        published: topics. Nodes that publish one of them are also looked for.
     """
     for _ in range(_LOOKS):
-        found = sorted({name for node in carrier.nodes() if is_sought(name := node.whole)})
+        found = {name for node in carrier.nodes() if is_sought(name := node.whole)}
+        for endpoint in carrier.endpoints():
+            if endpoint.role is EndpointRole.PUBLISHER and endpoint.name in published:
+                found.add(carrier.node_of(endpoint.gid))
         if found:
-            return found
+            return sorted(found)
         await asyncio.sleep(_LOOK_SECONDS)
     return ()
