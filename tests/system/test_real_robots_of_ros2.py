@@ -14,14 +14,15 @@ pytestmark = pytest.mark.slow
 
 
 def test_a_whole_hunt_with_nav2_robots_of_another_process(tmp_path: Path) -> None:
-    bag = tmp_path / "real.bag"
-    (tmp_path / "study.yaml").write_text("robots_from: ros2\nrobots: 2\nros2: {domain: 49, use_sim_time: true}\n")
-    field = Program(tmp_path, "simr", "--ros2", "--ros2-domain", "49", "--rate", "3", "--server", "127.0.0.1:9")
+    bag, domain = tmp_path / "real.bag", free_domain()
+    section = f"{{domain: {domain}, use_sim_time: true}}"
+    (tmp_path / "study.yaml").write_text(f"robots_from: ros2\nrobots: 2\nros2: {section}\n")
+    field = Program(tmp_path, "simr", "--ros2", "--ros2-domain", str(domain), "--rate", "3", "--server", "127.0.0.1:9")
     server = Program(tmp_path, "server", "--port", "0")
     programs = [field, server]
     try:
         at = f"127.0.0.1:{port_of(server, programs)}"
-        until("the robots to be on the graph", lambda: "ROS 2: Jazzy in domain 49" in field.text, programs)
+        until("the robots to be on the graph", lambda: f"ROS 2: Jazzy in domain {domain}" in field.text, programs)
         simr = Program(tmp_path, "simr", "--study", "study.yaml", "--server", at, "--bag", str(bag))
         programs.append(simr)
         until("all robots to be found", lambda: "All robots have been found" in simr.text, programs)

@@ -19,7 +19,7 @@ import pytest
 
 from sim.common.observations import TICK
 from tests.bench.budget import Budgets
-from tests.support.programs.ports import free_port
+from tests.support.programs.ports import free_domain, free_port
 from thbridge.app import listeners, play
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.recording import build_publisher
@@ -42,7 +42,7 @@ WARM_UP = 8.0
 SECONDS = 25.0  # the hunt takes 37
 LISTENERS = 3
 SEND_BUFFER = 16384
-DOMAIN = 99
+DOMAIN = free_domain()
 
 LISTEN = """
 import asyncio, json, sys, time

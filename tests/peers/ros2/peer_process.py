@@ -10,12 +10,13 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.programs.ports import free_domain
 from tests.support.project import ROOT
 from thbridge.ros2graph.sockets.dds import DdsCarrier
 
 PYTHON = ROOT / ".peers" / "ros2" / "bin" / "python"
 FOLDER = Path(__file__).parent
-DOMAIN = 11 + os.getpid() % 20
+DOMAIN = free_domain()
 """Domain of this process's tests, so that tests of other processes do not take part."""
 TIMEOUT = 60.0
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.programs.ports import free_domain
 from tests.support.project import ROOT
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.hashes import describe, rihs01
@@ -98,7 +99,7 @@ def test_types_have_the_sources_that_a_node_of_rclpy_names() -> None:
     kilted = Distribution.of("kilted")
     names = ("nav_msgs/msg/Odometry", "std_srvs/srv/SetBool", "nav_msgs/srv/GetMap")
     arguments = [argument for name in names for argument in (name, kilted.message(name).hash)]
-    domain = {"ROS_DOMAIN_ID": str(31 + os.getpid() % 10), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    domain = {"ROS_DOMAIN_ID": str(free_domain()), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     command = [ROS2 / "bin" / "python", Path(__file__).with_name("rclpy_type_sources.py"), *arguments]
     asked = subprocess.run(
         command, env={**os.environ, **domain}, capture_output=True, text=True, timeout=60, check=False

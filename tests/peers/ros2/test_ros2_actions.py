@@ -9,6 +9,7 @@ import pytest
 
 from tests.peers.ros2.action_scripts import CLIENT, NEEDS_RCLPY, PYTHON, SERVER, environment, running, steps
 from tests.support.programs.event_loops import eventually
+from tests.support.programs.ports import free_domain
 from tests.support.ros2.counting import FIBONACCI, CountingLogic, counting_types
 from thbridge.ros2.actions import ActionGoalState, ActionGoalStatus, ActionResult, CancelAnswer, CancelCode, GoalInfo
 from thbridge.ros2graph.sockets.action_client import GraphActionClient
@@ -18,13 +19,14 @@ from thbridge.ros2graph.values.graph import NodeName
 
 pytestmark = [NEEDS_RCLPY, pytest.mark.slow]
 NAME = "/robot1/count"
+DOMAIN = free_domain()
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
 
 
 def test_a_client_of_rclpy_sends_cancels_and_preempts() -> None:
     async def whole() -> str:
         with counting_types() as types:
-            carrier, logic = DdsCarrier(41), CountingLogic(types)
+            carrier, logic = DdsCarrier(DOMAIN), CountingLogic(types)
             node = NodeName("/robot1", "counter")
             carrier.add_node(node)
             server = GraphActionServer(carrier, node, NAME, types, FIBONACCI, logic)
@@ -39,7 +41,7 @@ def test_a_client_of_rclpy_sends_cancels_and_preempts() -> None:
             counting = asyncio.create_task(count())
             arguments = ["-c", CLIENT, NAME, FIBONACCI, json.dumps({"order": 5}), json.dumps({"order": 100_000})]
             client = await asyncio.create_subprocess_exec(
-                PYTHON, *arguments, env=environment(41), stdout=asyncio.subprocess.PIPE
+                PYTHON, *arguments, env=environment(DOMAIN), stdout=asyncio.subprocess.PIPE
             )
             output, _ = await asyncio.wait_for(client.communicate(), 120.0)
             counting.cancel()
@@ -59,8 +61,8 @@ def test_a_client_of_rclpy_sends_cancels_and_preempts() -> None:
 
 def test_our_client_at_a_server_of_rclpy() -> None:
     async def whole() -> None:
-        with counting_types() as types, running(SERVER, 42, NAME, FIBONACCI):
-            carrier, node = DdsCarrier(42), NodeName("/", "operator")
+        with counting_types() as types, running(SERVER, DOMAIN, NAME, FIBONACCI):
+            carrier, node = DdsCarrier(DOMAIN), NodeName("/", "operator")
             carrier.add_node(node)
             feedback: list[tuple[bytes, Any]] = []
             statuses: list[tuple[ActionGoalStatus, ...]] = []

@@ -8,17 +8,18 @@ from pathlib import Path
 import pytest
 
 from tests.peers.ros2.action_scripts import NEEDS_RCLPY, PYTHON, environment
+from tests.support.programs.ports import free_domain
 from tests.support.programs.processes import Program, journal, port_of, until
 from thbridge.recording.bag.reading import reader as bag_reader
 from thbridge.ros.messages import unpack
 
 pytestmark = [NEEDS_RCLPY, pytest.mark.slow]
-DOMAIN = 44
-STUDY = """\
+DOMAIN = free_domain()
+STUDY = f"""\
 robots_from: ros2
 robots: 2
-ros2: {distribution: kilted, domain: 44}
-fleet: {robot: {odom_frame: odom, base_frame: base_link}}
+ros2: {{distribution: kilted, domain: {DOMAIN}}}
+fleet: {{robot: {{odom_frame: odom, base_frame: base_link}}}}
 """
 
 

@@ -8,14 +8,14 @@ import pytest
 
 from sim.inputs import TEAM_INPUTS, ClearCostmaps, GlobalLocalization, NomotionUpdate, SetPoseEstimate
 from tests.support.programs.peer_programs import run_peer
-from tests.support.programs.ports import free_port
+from tests.support.programs.ports import free_domain, free_port
 from tests.support.programs.processes import Program, until
 from tests.support.project import ROOT
 from thbridge.recording.bag.reading.reader import recorded
 from thbridge.ros.names import INPUTS
 
 ROS2 = ROOT / ".peers" / "ros2"
-DOMAIN = str(51 + os.getpid() % 10)
+DOMAIN = str(free_domain())
 SUCCEEDED, ABORTED = 4, 6
 
 pytestmark = [

@@ -14,6 +14,7 @@ from sim.common.grid import OccupancyGrid
 from sim.inputs import GlobalLocalization
 from sim.parameters import RobotParameters
 from sim.parameters.reconfiguration import with_values
+from tests.support.programs.ports import free_domain
 from tests.support.project import ROOT
 from thbridge.app.live_graph.live_node_parameters import LiveNodeParameters
 from thbridge.app.live_graph.live_node_services import LiveNodeServices, offer_logger_levels
@@ -26,7 +27,7 @@ from thbridge.ros2graph.values.graph import NodeName
 
 PYTHON = ROOT / ".peers" / "ros2" / "bin" / "python"
 SCRIPT = Path(__file__).parent / "parameter_client.py"
-DOMAIN = 51 + os.getpid() % 10
+DOMAIN = free_domain()
 TIMEOUT = 180.0
 
 pytestmark = [

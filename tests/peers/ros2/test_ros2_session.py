@@ -13,7 +13,7 @@ from sim.world.sensors import mount_of
 from tests.peers.mavlink_hunter import Hunter
 from tests.peers.ros_programs import NEEDS_ROS, Ros
 from tests.support.programs.peer_programs import run_peer
-from tests.support.programs.ports import free_port, free_udp_port
+from tests.support.programs.ports import free_domain, free_port, free_udp_port
 from tests.support.programs.processes import Program, until
 from tests.support.project import ROOT
 from thbridge.app.compose.game import build_briefing
@@ -31,7 +31,7 @@ from thbridge.study.study_file import load_study
 ROS2 = ROOT / ".peers" / "ros2"
 PYTHON = ROS2 / "bin" / "python"
 FOLDER = Path(__file__).parent
-DOMAIN = str(81 + os.getpid() % 20)
+DOMAIN = str(free_domain())
 
 pytestmark = pytest.mark.skipif(
     not (ROS2 / "installed").exists(), reason="not installed: ros2 (scripts/install_peers.sh)"

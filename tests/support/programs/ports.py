@@ -29,3 +29,23 @@ def free_port(kind: socket.SocketKind = socket.SOCK_STREAM) -> int:
 
 def free_udp_port() -> int:
     return free_port(socket.SOCK_DGRAM)
+
+
+_DOMAINS = 48
+"""Domains of ROS 2 for tests. Their UDP ports are below those of `free_port`."""
+
+_domains = itertools.count(os.getpid() * 13)
+
+
+def free_domain() -> int:
+    """Return a ROS 2 domain in which no program of this machine takes part, and that was not returned lately."""
+    for number in _domains:
+        domain = 1 + number % _DOMAINS
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                # The port at which the first participant of a domain hears of others (DDSI-RTPS, section 9.6.1.1).
+                probe.bind(("127.0.0.1", 7400 + 250 * domain + 10))
+            except OSError:
+                continue
+        return domain
+    raise AssertionError("numbers have no end")
