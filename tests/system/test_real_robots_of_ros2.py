@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.programs.ports import free_domain
 from tests.support.programs.processes import Program, journal, kinds, port_of, until
 from thbridge.recording.bag.reading import reader as bag_reader
 from thbridge.ros import names
