@@ -21,6 +21,8 @@ from thbridge.ros2.navigate_to_pose import NAVIGATE_TO_POSE, RESULT_TIMEOUT_NS, 
 from thbridge.ros2.navigation_errors import NO_ERROR, ErrorResult, WaypointError, waypoint_error
 
 FOLLOW_WAYPOINTS = "nav2_msgs/action/FollowWaypoints"
+STOP_ON_FAILURE = True
+"""Value in sessions. It is fixed, because recordings have no changes of parameters outside a robot's software."""
 WAYPOINTS = 1000
 """Maximum number of poses of a goal, and of missed waypoints in its result."""
 
@@ -56,14 +58,14 @@ class FollowWaypointsServer:
     Args:
         distribution: message types.
         navigate: the robot's action server navigate_to_pose.
-        stop_on_failure: if True, a missed waypoint ends the goal. It may change at any time.
+        stop_on_failure: if True, a missed waypoint ends the goal.
 
     Attributes:
         goals: the goals, with their results.
     """
 
     def __init__(
-        self, distribution: Distribution, navigate: NavigateToPoseServer, *, stop_on_failure: bool = True
+        self, distribution: Distribution, navigate: NavigateToPoseServer, *, stop_on_failure: bool = STOP_ON_FAILURE
     ) -> None:
         self.goals: ActionGoals[object] = ActionGoals(RESULT_TIMEOUT_NS[distribution.name])
         self.stop_on_failure = stop_on_failure

@@ -18,6 +18,7 @@ from sim.parameters import CostmapParameters, DeclaredParameter, ObservationSour
 from thbridge.ros.names import CALLER, MAP_FRAME, RobotNames
 from thbridge.ros.parameters import Tree, value_at
 from thbridge.ros2 import nav2_names
+from thbridge.ros2.follow_waypoints import STOP_ON_FAILURE
 from thbridge.ros2.parameters import NodeParameter, ParameterKind, ParameterNode, Value, fixed, kind_among
 
 COSTMAPS = ("global_costmap", "local_costmap")
@@ -286,7 +287,9 @@ def _of_this_robot(
         ),
         "behavior_server": frames,
         "bt_navigator": (*frames, fixed("navigators", ("navigate_to_pose",), "names of the navigators")),
-        "waypoint_follower": (fixed("stop_on_failure", True, "end a task at the first waypoint that is not reached"),),
+        "waypoint_follower": (
+            fixed("stop_on_failure", STOP_ON_FAILURE, "end a task at the first waypoint that is not reached"),
+        ),
         **{
             name: (
                 *frames,

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from sim.common.geometry import Pose2
+from sim.parameters import RobotParameters
 from sim.robot.navigator.goals import Goal
 from tests.support.ros2.driven_robot import DrivenRobot
 from tests.support.ros2.navigation_goals import goal_id, waypoints_goal
@@ -13,6 +14,7 @@ from thbridge.ros.messages.records import CancelRequest, GoalRequest
 from thbridge.ros2.actions import NO_ID, ActionGoalState, CancelCode
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.follow_waypoints import WAYPOINTS
+from thbridge.ros2.nav2_parameters import robot_nodes
 
 KILTED = Distribution.of("kilted")
 JAZZY = Distribution.of("jazzy")
@@ -109,6 +111,13 @@ def test_without_stop_on_failure_the_next_waypoint_follows() -> None:
     state, value = result(robot, A)
     assert (state, [missed.waypoint_index for missed in value.missed_waypoints]) == (SUCCEEDED, [0])
     assert visited(robot) == [1.0, 2.0]
+
+
+def test_the_parameter_stop_on_failure_is_what_the_server_does() -> None:
+    (node,) = [each for each in robot_nodes(0, RobotParameters(), 0.05) if each.name == "waypoint_follower"]
+    parameter = node.parameters["stop_on_failure"]
+    assert parameter.read_only
+    assert parameter.value is DrivenRobot(KILTED).waypoints.stop_on_failure
 
 
 def test_a_goal_of_another_client_makes_the_robot_miss_the_waypoint() -> None:
