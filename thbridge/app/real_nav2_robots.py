@@ -7,6 +7,7 @@ import numpy as np
 from sim.common.robot_numbers import namespace_of
 from thbridge.app.compose.setting import StudySetting
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
+from thbridge.ros.reconfigure import DescribedParameter
 from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.topics import RosMessage, Topic
 from thbridge.ros2.distribution import Distribution
@@ -42,8 +43,10 @@ class Nav2Traffic:
         self.held.sent(message)
 
 
-def build_nav2_fleet(setting: StudySetting, graph: Ros2Address, traffic: TrafficRecorder) -> Nav2Fleet:
-    """Return the real robots of a study, before they join their graph."""
+def build_nav2_fleet(
+    setting: StudySetting, graph: Ros2Address, traffic: TrafficRecorder, offset: DescribedParameter
+) -> Nav2Fleet:
+    """Return the real robots of a study, before they join their graph; see `Nav2Fleet`."""
     study, section = setting.study, setting.study.fleet
     footprint = np.array(study.world.footprint, dtype=np.float64)
     stale_ns = round(section.silence * 1e9)
@@ -53,12 +56,11 @@ def build_nav2_fleet(setting: StudySetting, graph: Ros2Address, traffic: Traffic
         robots.append(Nav2Robot(RemoteRobot(robot, remote, NODE.whole, footprint, stale_ns), nav2, goals))
     recorder = Nav2Traffic(traffic, Definitions(ROS_SHARES))
     types = Distribution.of(graph.distribution.value)
-    fleet = Nav2Fleet(
+    return Nav2Fleet(
         carrier_of(graph, Admission.to(study.open_to)),
         types,
         robots,
         recorder,
+        offset,
         is_time_simulated=study.ros2.use_sim_time,
     )
-    fleet.stamp_odometry_later(section.odom_time_offset)
-    return fleet

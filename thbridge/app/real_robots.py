@@ -22,6 +22,7 @@ from thbridge.ros.reconfigure import described
 from thbridge.ros.remote.changes import SettledState
 from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.topics import RosMessage
+from thbridge.ros2graph.sockets.joining import NodeTaken
 from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.rosgraph.files.real_robots import FleetRecorder
 from thbridge.rosgraph.sockets.fleet import CALLER, Fleet
@@ -103,18 +104,18 @@ class RealTeam(RobotTeam, Protocol):
 
 def build_fleet(setting: StudySetting, graph: GraphAddress | Ros2Address, traffic: HeldTraffic) -> RealTeam:
     """Return the real robots of a study, before they join their graph."""
+    section = setting.study.fleet
+    (declared,) = live_parameters(FleetSection)
+    offset = replace(described(declared), default=section.odom_time_offset)
     if isinstance(graph, Ros2Address):
         # The import is here because other robots do not need the types of ROS 2.
         from thbridge.app.real_nav2_robots import build_nav2_fleet  # noqa: PLC0415
 
-        return build_nav2_fleet(setting, graph, traffic)
-    section = setting.study.fleet
+        return build_nav2_fleet(setting, graph, traffic, offset)
     footprint = np.array(setting.study.world.footprint, dtype=np.float64)
     stale_ns = round(section.silence * 1e9)
     named = section.names(setting.study.robots)
     robots = [RemoteRobot(robot, each, CALLER, footprint, stale_ns) for robot, each in enumerate(named)]
-    (declared,) = live_parameters(FleetSection)
-    offset = replace(described(declared), default=section.odom_time_offset)
     return Fleet(graph, robots, traffic, offset)
 
 
@@ -123,7 +124,7 @@ async def simr_with_real_robots(
     options: SimrOptions,
     graph: GraphAddress | Ros2Address,
     lost: Callable[[ConnectionLost], None],
-    unreachable: Callable[[CannotListen | CannotReach], None],
+    unreachable: Callable[[CannotListen | CannotReach | NodeTaken], None],
     missing: Callable[[Sequence[str]], None],
 ) -> str | None:
     """Command real robots for the game until the program is stopped. At the end, the robots stop.
@@ -135,7 +136,7 @@ async def simr_with_real_robots(
         options: options of the program; the rate must be 1 (real time).
         graph: the robots' ROS graph.
         lost: callback with the reason, called when the connection to the text server is lost.
-        unreachable: callback with the reason why robots cannot connect to this node. The callback must raise an
+        unreachable: callback with the reason why this program cannot join the graph. The callback must raise an
             exception.
         missing: callback with sentences about missing topics and nodes. It is called when the list of sentences
             changes, and at the end with an empty list.
@@ -154,14 +155,14 @@ async def simr_with_real_robots(
             opening = build_record(setting, SIMR, [legacy.SIMR], "")
             traffic.release(FleetRecorder(writer, opening, room_labels(setting)))
 
-        asks = options.bag is not None and setting.consent is not None
-        if options.bag is not None and not asks:
-            record(options.bag)
         fleet = build_fleet(setting, graph, traffic)
         opened.push_async_callback(fleet.stop)
         started = await fleet.start()
-        if isinstance(started, CannotListen | CannotReach):
+        if isinstance(started, CannotListen | CannotReach | NodeTaken):
             unreachable(started)
+        asks = options.bag is not None and setting.consent is not None
+        if options.bag is not None and not asks:
+            record(options.bag)
         reported: SettledState[tuple[str, ...]] = SettledState(())
         ticks = 0
 

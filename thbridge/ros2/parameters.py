@@ -6,6 +6,7 @@ Differs: a value that is equal to the present value is no change, so that client
 """
 
 import json
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
@@ -210,17 +211,11 @@ def set_together(node: ParameterNode, software: RobotParameters, given: Sequence
     if not given:
         return _refused(software, "the list of parameters is empty")
     for parameter in given:
-        declared = node.parameters.get(parameter.name)
-        if declared is None:
-            return _refused(software, f"parameter '{parameter.name}' cannot be set because it was not declared")
-        if declared.read_only:
-            return _refused(software, f"parameter '{parameter.name}' cannot be set because it is read-only")
+        if refusal := refusal_of(node, parameter):
+            return _refused(software, refusal)
     values: dict[str, tuple[str, OwnValue]] = {}
     for parameter in given:
         declared = node.parameters[parameter.name]
-        refusal = _misfit(declared, parameter)
-        if refusal:
-            return _refused(software, refusal)
         values.pop(declared.path, None)
         if parameter.value != declared.reported(software):
             own = cast(OwnValue, parameter.value)
@@ -234,14 +229,21 @@ def set_together(node: ParameterNode, software: RobotParameters, given: Sequence
     return ParameterChanges(("",), changes, after)
 
 
-def _misfit(declared: NodeParameter, given: GivenParameter) -> str:
-    """Return the reason why a value does not fit the declaration, or an empty text."""
-    name = declared.name
+def refusal_of(node: ParameterNode, given: GivenParameter) -> str:
+    """Return the reason why a node refuses a value, or an empty text. Other parameters of the node have no effect."""
+    name = given.name
+    declared = node.parameters.get(name)
+    if declared is None:
+        return f"parameter '{name}' cannot be set because it was not declared"
+    if declared.read_only:
+        return f"parameter '{name}' cannot be set because it is read-only"
     if given.kind is not declared.kind:
         wanted, got = declared.kind.name.lower(), given.kind.name.lower()
         return f"parameter '{name}' has the type {wanted}, so it cannot be set to a value of the type {got}"
     if declared.kind in (ParameterKind.DOUBLE, ParameterKind.INTEGER):
         number = cast(float, given.value)
+        if math.isnan(number):
+            return f"{name} is a number, not nan"
         if declared.minimum is not None and number < declared.minimum:
             return f"{name} is at least {declared.minimum:.10g}, not {number:.10g}"
         if declared.maximum is not None and number > declared.maximum:

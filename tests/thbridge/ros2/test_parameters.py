@@ -93,7 +93,7 @@ def test_all_listed_parameters_are_below_a_prefix_and_not_too_deep(
         ),
         ("amcl", "pf_err", 1.5, "pf_err is at most 1, not 1.5"),
         ("amcl", "max_beams", 1, "max_beams is at least 2, not 1"),
-        ("amcl", "pf_err", float("nan"), "pf_err: amcl.kld_err is a number, not nan"),
+        ("amcl", "pf_err", float("nan"), "pf_err is a number, not nan"),
         ("amcl", "laser_model_type", "magic", "laser_model_type: amcl.laser_model_type is likelihood_field or"),
         ("amcl", "min_particles", 5000, "min_particles: amcl.min_particles would be 5000, above amcl.max_particles"),
         ("local_costmap", "footprint", "[[0, 0]]", "footprint: local_costmap.footprint is three or more corners"),

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
 
 from thbridge.ros2graph.sockets.carrier import GraphCarrier
 from thbridge.ros2graph.sockets.dds import DdsCarrier
@@ -13,6 +14,20 @@ from thbridge.sockets.admission import OWN_MACHINE, Admission
 _LOOKS = 15
 _LOOK_SECONDS = 0.1
 """Nodes on the same machine or network answer within a second."""
+
+
+@dataclass(frozen=True, slots=True)
+class NodeTaken:
+    """Another program has a node that this program needs. `str` returns one line for people.
+
+    Attributes:
+        node: full name of the node.
+    """
+
+    node: str
+
+    def __str__(self) -> str:
+        return f"another program in this domain already has the node {self.node}. Stop that program first."
 
 
 def carrier_of(address: Ros2Address, admission: Admission = OWN_MACHINE) -> GraphCarrier:

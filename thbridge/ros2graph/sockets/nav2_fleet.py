@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Protocol
+from typing import Protocol, cast
 
 from sim.inputs import TeamInput
 from sim.parameters import RobotParameters, WorldParameters
@@ -16,6 +16,7 @@ from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types
 from thbridge.ros.messages.cursor import Cursor
+from thbridge.ros.reconfigure import DescribedParameter
 from thbridge.ros.remote.clock import RosClock
 from thbridge.ros.remote.names import Nav2Names
 from thbridge.ros.remote.robot import RemoteRobot, missing_of
@@ -30,6 +31,8 @@ from thbridge.ros2.qos import DEFAULT, LATCHED, TF, DeliveryReliability, QosProf
 from thbridge.ros2.topics import TWIST, TWIST_STAMPED, stamped_twist, type_of_ros1
 from thbridge.ros2graph.sockets.action_client import GraphActionClient
 from thbridge.ros2graph.sockets.carrier import GraphCarrier, GraphWriter
+from thbridge.ros2graph.sockets.joining import NodeTaken, find_nodes
+from thbridge.ros2graph.sockets.nav2_fleet_parameters import Nav2FleetParameters
 from thbridge.ros2graph.values.graph import EndpointRole, NodeName
 from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.sockets.warn_once import WarnOnce
@@ -99,6 +102,7 @@ class Nav2Fleet:
         distribution: message types of the graph.
         robots: the robots.
         recorder: recorder of all messages.
+        offset: time by which odometry is ahead of the scans. Its default is the value at the start.
         is_time_simulated: True if time comes from /clock (ROS: use_sim_time).
         wall: returns the time of the wall clock, nanoseconds.
     """
@@ -109,6 +113,7 @@ class Nav2Fleet:
         distribution: Distribution,
         robots: Sequence[Nav2Robot],
         recorder: Nav2Recorder,
+        offset: DescribedParameter,
         *,
         is_time_simulated: bool = False,
         wall: Callable[[], int] = time.time_ns,
@@ -125,6 +130,17 @@ class Nav2Fleet:
         clock = RosClock(is_time_simulated)
         self._team.clock = clock
         carrier.add_node(NODE)
+        self._parameters = Nav2FleetParameters(
+            carrier,
+            distribution,
+            NODE,
+            offset,
+            self._correct_odometry,
+            self.now,
+            is_time_simulated=is_time_simulated,
+        )
+        self._correct_odometry(cast(float, offset.default))
+        self._is_rejected = False
         if is_time_simulated:
             support = distribution.message("rosgraph_msgs/msg/Clock")
             carrier.subscribe(NODE, names.CLOCK, support, _STREAM, partial(self._receive_clock, clock))
@@ -140,12 +156,22 @@ class Nav2Fleet:
             self._subscribe(subscription)
         self._unknown = {name for robot in self._robots for name in robot.remote.names.recorded} - {*self._subscribed}
 
-    async def start(self) -> CannotListen | CannotReach | None:
-        """Join the graph. Robots may appear later."""
-        return await self._carrier.start()
+    async def start(self) -> CannotListen | CannotReach | NodeTaken | None:
+        """Join the graph. Robots may appear later. If another program has the fleet's node, leave the graph again."""
+        failure = await self._carrier.start()
+        if failure is not None:
+            return failure
+        if await find_nodes(self._carrier, lambda name: name == NODE.whole):
+            self._is_rejected = True
+            await self._carrier.stop()
+            return NodeTaken(NODE.whole)
+        self._parameters.announce()
+        return None
 
     async def stop(self) -> None:
         """Stop the robots, and leave the graph."""
+        if self._is_rejected:
+            return  # The robots belong to the other program.
         self._team.stop()
         now_ns = self.now()
         for index in range(len(self._robots)):
@@ -211,12 +237,13 @@ class Nav2Fleet:
         snapshot = self._team.snapshot(now_ns)
         for index in range(len(self._robots)):
             self._speak(index, now_ns)
+        if (config := self._parameters.take_unrecorded()) is not None:
+            self._recorder.sent(RosMessage(self._parameters.topic, now_ns, config))
         if snapshot is None:
             raise ValueError(f"not all robots are ready yet: {'; '.join(self.missing())}")
         return snapshot
 
-    def stamp_odometry_later(self, seconds: float) -> None:
-        """Add a time to the time stamps of all robots' odometry."""
+    def _correct_odometry(self, seconds: float) -> None:
         for robot in self._team.robots:
             robot.stamp_odometry_later(round(seconds * 1e9))
 

@@ -2,11 +2,13 @@
 
 import dataclasses
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from thbridge.ros2graph.sockets.joining import NodeTaken
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.study.external_nodes import ExternalNodes
@@ -137,7 +139,8 @@ def simr(
         )
     if real and (ros.join or ros2.join_ros2):
         option = "--ros" if ros.join else "--ros2"
-        fail(BAD_INPUT, f"{option}: real robots are always on a ROS graph. Omit the option.")
+        problem = f"real robots ({source.value}) are always on their own graph, which simr joins without this option"
+        fail(BAD_INPUT, f"{option}: {problem}. Omit the option.")
     if real and watching.watch is not None:
         fail(BAD_INPUT, "--watch: this option needs simulated robots. Omit it, and watch real robots with rviz.")
     if real and watching.foxglove is not None:
@@ -161,7 +164,8 @@ def simr(
         for setting_name in settings_without_effect(setting.study):
             note(f"{setting_name} has no effect here: it applies only to simulated robots.")
         options = SimrOptions(host, port, new_token(), 1.0, bag, key=shown)
-        unfit = run(simr_with_real_robots(setting, options, robots_graph, tell_lost, _unreachable, _missing))
+        unreachable = partial(_unreachable, "ROS" if graph2 is None else "ROS 2")
+        unfit = run(simr_with_real_robots(setting, options, robots_graph, tell_lost, unreachable, _missing))
         if unfit is not None:
             fail(FAILED, unfit)
         return
@@ -273,8 +277,8 @@ def tabui(
         note(ANOTHER_GAME)
 
 
-def _unreachable(why: CannotListen | CannotReach) -> None:
-    fail(BAD_INPUT, f"ROS: {why}")
+def _unreachable(graph: str, why: CannotListen | CannotReach | NodeTaken) -> None:
+    fail(BAD_INPUT, f"{graph}: {why}")
 
 
 def _missing(sentences: Sequence[str]) -> None:

@@ -12,29 +12,35 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Twist
 from sim.inputs import CancelGoal, DriveManually, KidnapRobot, PlaceRobot, SendGoal, SetPoseEstimate
+from sim.parameters import live_parameters
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.team import TeamSnapshot
 from tests.support.ros2.driven_robot import DrivenRobot
 from tests.support.ros2.loopback import LoopbackGraph
 from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.pack import Transform
+from thbridge.ros.reconfigure import described, values_config
 from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.topics import RosMessage, Topic
+from thbridge.ros2 import parameter_messages
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.nav2_goals import Nav2Goals
 from thbridge.ros2.navigate_to_pose import NAVIGATE_TO_POSE
+from thbridge.ros2.parameters import Value, kind_of
 from thbridge.ros2.qos import DEFAULT, LATCHED, SENSOR_DATA, TF, QosProfile
 from thbridge.ros2.topics import type_of_ros1
 from thbridge.ros2graph.sockets.action_server import GraphActionServer
+from thbridge.ros2graph.sockets.joining import NodeTaken
 from thbridge.ros2graph.sockets.nav2_fleet import Nav2Fleet, Nav2Robot
 from thbridge.ros2graph.values.address import RosDistribution
 from thbridge.ros2graph.values.graph import NodeName
-from thbridge.study.real_robots import FleetNames
+from thbridge.study.real_robots import FleetNames, FleetSection
 
 SECOND = 1_000_000_000
 START = 1_700_000_000 * SECOND
 FOOTPRINT = np.array([[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]])
 GOAL = Goal(5, Pose2(2.0, 0.0, 0.0))
+(OFFSET,) = map(described, live_parameters(FleetSection))
 NAMES = FleetNames(odom_frame="odom", base_frame="base_link")
 
 
@@ -68,6 +74,7 @@ class Lab:
             self.kind,
             [robot],
             self.recorder,
+            OFFSET,
             is_time_simulated=simulated,
             wall=lambda: self.now,
         )
@@ -268,7 +275,8 @@ def test_all_messages_are_recorded(name: str, caplog: pytest.LogCaptureFixture) 
     assert unpack.odometry(odometry[0]).pose == Pose2(0.0, 0.0, 0.0)
     went = [message.topic.name for message in lab.recorder.went]
     action = "/robot1/navigate_to_pose"
-    assert {*went} == {f"{action}/goal", f"{action}/status", f"{action}/result"}
+    updates = "/thbridge_fleet/parameter_updates"
+    assert {*went} == {f"{action}/goal", f"{action}/status", f"{action}/result", updates}
     (end,) = [message for message in lab.recorder.went if message.topic.name == f"{action}/result"]
     assert unpack.move_base_result(end.data).status == 3
     assert "/map: /robot1/driver publishes std_msgs/msg/String, but nav_msgs/msg/Occ" in caplog.text
@@ -298,3 +306,120 @@ def test_what_only_a_simulation_can_do_is_refused(lab: Lab, caplog: pytest.LogCa
     assert "real robots do not support Carry" in caplog.text
     assert "robot 1 is not at its start pose: please move it to (9.00, 9.00)" in caplog.text
     assert math.isnan(lab.step().robots[0].observations.battery.charge)
+
+
+class Tuner:
+    """A program that reads and sets parameters of the fleet's node."""
+
+    def __init__(self, lab: Lab) -> None:
+        self.lab = lab
+        self.program = lab.graph.program()
+        self.events: list[Any] = []
+        event = lab.kind.message(parameter_messages.EVENT)
+        self.program.subscribe(NodeName("/", "tuner"), "/parameter_events", event, DEFAULT, self._hear)
+
+    def _hear(self, data: bytes, gid: bytes) -> None:
+        event: Any = self.lab.kind.decode(parameter_messages.EVENT, data)
+        self.events += [(event.node, each.name, each.value.double_value) for each in event.changed_parameters]
+
+    def call(self, service: str, **fields: object) -> Any:
+        kind, type_ = self.lab.kind, parameter_messages.SERVICE_TYPES[service]
+        client = self.program.client(NodeName("/", "tuner"), f"/thbridge_fleet/{service}", kind.service(type_))
+        responses: list[bytes] = []
+
+        async def wait() -> None:
+            client.call(kind.encode(f"{type_}_Request", kind.make(f"{type_}_Request", **fields)), responses.append)
+            self.lab.graph.deliver()
+            await asyncio.sleep(0)  # The server answers in the next turn of the event loop.
+            self.lab.graph.deliver()
+
+        asyncio.run(wait())
+        return kind.decode(f"{type_}_Response", responses[0])
+
+    def set(self, *values: tuple[str, Value], together: bool = False) -> list[str]:
+        make = self.lab.kind.make
+        parameters = [
+            make(
+                "rcl_interfaces/msg/Parameter",
+                name=name,
+                value=parameter_messages.parameter_value(self.lab.kind, kind_of(value), value),
+            )
+            for name, value in values
+        ]
+        service = parameter_messages.SET_TOGETHER if together else parameter_messages.SET
+        answer = self.call(service, parameters=parameters)
+        return [each.reason for each in ([answer.result] if together else answer.results)]
+
+    def get(self, *wanted: str) -> list[Any]:
+        return self.call(parameter_messages.GET, names=list(wanted)).values
+
+
+def updates(lab: Lab) -> list[bytes]:
+    return [each.data for each in lab.recorder.went if each.topic.name == "/thbridge_fleet/parameter_updates"]
+
+
+def test_the_time_offset_of_odometry_changes_and_is_recorded(lab: Lab, caplog: pytest.LogCaptureFixture) -> None:
+    tuner = Tuner(lab)
+    lab.step(seconds=0.2)
+    assert updates(lab) == [values_config([(OFFSET, 0.0)])]
+    assert tuner.set(("odom_time_offset", 0.2)) == [""]
+    offset, simulated = tuner.get("odom_time_offset", "use_sim_time")
+    assert (offset.double_value, simulated.bool_value) == (0.2, False)
+    lab.step(seconds=0.1)
+    assert updates(lab)[1:] == [values_config([(OFFSET, 0.2)])]
+    assert tuner.events == [("/thbridge_fleet", "odom_time_offset", 0.2)]
+    assert "/thbridge_fleet/odom_time_offset is 0.2 s now" in caplog.text
+    assert tuner.set(("odom_time_offset", 0.2)) == [""], "this is no change"
+    assert tuner.set(("odom_time_offset", -0.1), ("odom_time_offset", 0.3)) == ["", ""]
+    lab.step()
+    assert updates(lab)[2:] == [values_config([(OFFSET, 0.3)])]
+
+
+def test_the_time_offset_pairs_poses_with_earlier_odometry() -> None:
+    lab = Lab()
+    lab.mute = {"/robot1/tf"}
+    lab.look()
+
+    def ahead() -> float:
+        """Drive at 1 m/s for a second; return by how much the believed position is ahead of the localization."""
+        for _ in range(50):
+            lab.x += 0.02
+            snapshot = lab.step()
+        return snapshot.robots[0].estimate.base_in_map.x - lab.x
+
+    assert ahead() == pytest.approx(0.0)
+    assert Tuner(lab).set(("odom_time_offset", 0.1)) == [""]
+    assert ahead() == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("odom_time_offset", 10.5, "odom_time_offset is at most 10, not 10.5"),
+        ("odom_time_offset", math.nan, "odom_time_offset is a number, not nan"),
+        ("odom_time_offset", 1, "has the type double"),
+        ("use_sim_time", True, "read-only"),
+        ("silence", 1.0, "not declared"),
+    ],
+)
+@pytest.mark.parametrize("together", [False, True])
+def test_other_offsets_are_refused(name: str, value: Value, reason: str, together: bool) -> None:
+    lab = Lab()
+    tuner = Tuner(lab)
+    (told, *_) = tuner.set((name, value), ("odom_time_offset", 0.25), together=together)
+    assert reason in told
+    assert tuner.get("odom_time_offset")[0].double_value == (0.0 if together else 0.25)
+    assert tuner.set(together=True) == [""] and tuner.set() == []
+    assert tuner.set(*[("odom_time_offset", 0.5)] * 201)[0] == "a request sets at most 200 parameters"
+
+
+def test_a_second_fleet_in_a_domain_is_refused_and_commands_nothing() -> None:
+    lab = Lab()
+    other = lab.graph.program()
+    other.add_node(NodeName("/", "thbridge_fleet"))
+    asyncio.run(other.start())
+    refused = asyncio.run(lab.fleet.start())
+    assert refused == NodeTaken("/thbridge_fleet")
+    assert "already has the node /thbridge_fleet. Stop that program first." in str(refused)
+    asyncio.run(lab.fleet.stop())
+    assert not [endpoint for endpoint in other.endpoints() if endpoint.node == NodeName("/", "thbridge_fleet")]
