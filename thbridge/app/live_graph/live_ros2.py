@@ -14,7 +14,7 @@ from sim.robot.global_planning.path import PlanRefusal
 from sim.robot.navigator.navigation import Navigation
 from sim.team import Team
 from thbridge.app.live_graph.client_messages import ClientRequests
-from thbridge.app.live_graph.live import TeamDescription, without_corrections
+from thbridge.app.live_graph.live import OF_AMCL, TeamDescription, without_corrections
 from thbridge.app.live_graph.live_node_parameters import LiveNodeParameters
 from thbridge.app.live_graph.live_node_services import LiveNodeServices, offer_logger_levels
 from thbridge.app.session.mavros import frame_in
@@ -42,6 +42,7 @@ from thbridge.ros2graph.values.graph import NodeName
 from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.sockets.warn_once import WarnOnce
+from thbridge.study.external_nodes import ExternalNodes
 
 _POSE_ESTIMATE = "geometry_msgs/msg/PoseWithCovarianceStamped"
 _POSE_STAMPED = "geometry_msgs/msg/PoseStamped"
@@ -116,7 +117,9 @@ class LiveRos2Graph:
                 self._subscribe_to_stations(robot, named, receive_frame)
 
     def _advertise(self, name: str, targets: Sequence[tuple[Ros2Topic, Convert]]) -> Iterator["_TopicWriter"]:
-        """Announce the publishers for a topic of the session, except those whose node another program runs."""
+        """Announce the publishers for a topic of the session, except those that belong to nodes of other programs."""
+        if self._external.amcl and name.rpartition("/")[2] in OF_AMCL:
+            return
         for topic, convert in targets:
             node = self._nodes.get(topic.node)
             if node is not None:
@@ -134,11 +137,13 @@ class LiveRos2Graph:
         failure = await self._carrier.start()
         if failure is not None:
             return failure
-        # Clients publish commands. All other topics in the namespace of a robot belong to the robot.
+        # Clients publish commands, and external nodes publish transforms. All other topics in the namespace of a robot
+        # belong to the robot.
+        shared = {"cmd_vel"} if self._external is ExternalNodes.NONE else {"cmd_vel", "tf", "tf_static"}
         own = {
             topic
             for robot in self._robots
-            for topic in self._published - {robot.topic("cmd_vel"), VehicleTopics(robot).received.name}
+            for topic in self._published - {*map(robot.topic, shared), VehicleTopics(robot).received.name}
             if topic.startswith(f"{robot.namespace}/")
         }
         rivals = await find_nodes(self._carrier, self._nodes.__contains__, own)
