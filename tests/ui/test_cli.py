@@ -395,14 +395,30 @@ def test_a_person_needs_no_templates_and_no_seed() -> None:
 
 
 def test_real_robots_are_not_simulated_and_not_hurried() -> None:
-    assert "--ros: real robots are always on a ROS graph" in refusal("simr", "--robots-from", "ros", "--ros")
-    assert "--rate: real robots run in real time" in refusal("simr", "--robots-from", "ros", "--rate", "2")
-    Path("study.yaml").write_text("robots_from: ros\n")
-    assert "this study is for real robots" in refusal("play", "study.yaml")
+    for source in ("ros", "ros2"):
+        given = ("simr", "--robots-from", source)
+        for graph in ("--ros", "--ros2"):
+            message = f"{graph}: real robots ({source}) are always on their own graph"
+            assert message in refusal(*given, graph)
+        assert "--rate: real robots run in real time" in refusal(*given, "--rate", "2")
+        assert "--watch: this option needs simulated robots" in refusal(*given, "--watch", "6010")
+        assert "--foxglove: this option needs simulated robots" in refusal(*given, "--foxglove", "0")
+        Path("study.yaml").write_text(f"robots_from: {source}\n")
+        for command in ("play", "serve"):
+            assert f"this study is for real robots, but `{command}` simulates them" in refusal(command, "study.yaml")
+    assert "--carrier requires a ROS 2 graph" in refusal("simr", "--robots-from", "ros", "--carrier", "dds")
+    assert "--carrier requires a ROS 2 graph" in refusal("play", "--headless", "--carrier", "zenoh")
     Path("study.yaml").write_text("robots: 1\nrobots_from: ros\nfleet: {robot: {namespace: ''}}\n")
     assert "/odom is both odom of robot 1 and odom of robot 2" in refusal(
         "simr", "--study", "study.yaml", "--robots", "2"
     )
+
+
+def test_robots_of_external_nodes_need_a_graph_and_are_not_played() -> None:
+    Path("study.yaml").write_text("external_nodes: move_base\n")
+    assert "Add --ros or --ros2, or set external_nodes: none." in refusal("simr", "study.yaml")
+    for command in ("play", "serve"):
+        assert f"but `{command}` drives robots itself. Start `simr --ros` (or --ros2)" in refusal(command, "study.yaml")
 
 
 def test_robots_by_themselves_are_no_vehicles() -> None:

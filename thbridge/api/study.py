@@ -11,6 +11,7 @@ from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.files.yaml.load import Loaded
 from thbridge.files.yaml.tree import quoted
 from thbridge.study.built_in import study_at
+from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.overrides import StudyChange, with_changes
 from thbridge.study.study_file import Study
 from thbridge.study.text import as_yaml, resolved
@@ -63,6 +64,9 @@ class HuntStudy:
         if study.robots_from.is_real:
             problem = "this study is for real robots, but `HuntStudy` is for simulated robots"
             raise HuntError(f"robots_from: {problem}. Write sim, or run `thbridge simr`.", key="robots_from")
+        if study.external_nodes is not ExternalNodes.NONE:
+            problem = "other ROS nodes drive these robots, but `HuntStudy` drives robots itself"
+            raise HuntError(f"external_nodes: {problem}. Write none, or run `thbridge simr`.", key="external_nodes")
         self._beside = beside
         self._setting = read_setting(study, beside, written=written)
         for doubt in self._setting.doubts:

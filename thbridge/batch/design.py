@@ -16,6 +16,7 @@ from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.merge import nested, over
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, at_line, parse
+from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.factors import Level, check_keys_set_once, entries_of, factorial, levels_of, spread, written
 from thbridge.study.overrides import merged, resolved_tree
 from thbridge.study.study_file import Study, load_study
@@ -267,6 +268,8 @@ def _playable(setting: StudySetting, loaded: Loaded[Study]) -> None:
     """Raise BadFile if a sweep cannot simulate the study."""
     if setting.study.robots_from.is_real:
         raise loaded.fault("robots_from", "a sweep supports only simulated robots", "Write sim")
+    if setting.study.external_nodes is not ExternalNodes.NONE:
+        raise loaded.fault("external_nodes", "the robots of a sweep cannot use external ROS nodes", "Write none")
 
 
 def _named(node: Node) -> Iterator[tuple[str, Node]]:

@@ -36,6 +36,8 @@ def graph_of(options: RosOptions, open_to: Sequence[str] = ()) -> GraphAddress |
 def ros2_of(study: Study, options: Ros2Options) -> Ros2Address | None:
     """Return the ROS 2 graph to join; if None, the session joins no ROS 2 graph."""
     if not options.join_ros2:
+        if options.carrier is not None:
+            fail(BAD_INPUT, "--carrier requires a ROS 2 graph. Add --ros2, or omit --carrier.")
         return None
     address = study.ros2.address
     domain = address.domain if options.ros2_domain is None else options.ros2_domain

@@ -12,6 +12,7 @@ from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in
 from thbridge.files.yaml.load import Loaded
 from thbridge.sockets.addresses import Address, parse_address, parse_target
 from thbridge.study.built_in import study_at
+from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.overrides import StudyChange
 from thbridge.study.study_file import Study
 from ui.command_line.options import MavlinkOptions
@@ -122,6 +123,22 @@ def map_folder(name: str) -> Path:
     wanted = f"./{name}" if "/" not in name and Path(name).is_dir() else name
     with bad_input():
         return shipped().find("maps", wanted, Path())
+
+
+def check_simulated(study: Study, command: str) -> None:
+    """End the program if other programs drive the robots of the study, because the command drives robots itself."""
+    if study.robots_from.is_real:
+        fail(
+            BAD_INPUT,
+            f"robots_from: this study is for real robots, but `{command}` simulates them. Start `thbridge server`, "
+            "`simr`, `hider` and `tabui`, or set robots_from: sim in the study.",
+        )
+    if study.external_nodes is not ExternalNodes.NONE:
+        fail(
+            BAD_INPUT,
+            f"external_nodes: other ROS nodes drive these robots, but `{command}` drives robots itself. Start `simr "
+            "--ros` (or --ros2) with this study, and play with `simr --robots-from ros` (or ros2).",
+        )
 
 
 def with_mavlink(study: Study, options: MavlinkOptions) -> Study:

@@ -9,7 +9,6 @@ import typer
 
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
-from thbridge.study.external_nodes import ExternalNodes
 from ui.command_line.option_sets import with_option_sets
 from ui.command_line.options import (
     PERSON,
@@ -140,6 +139,7 @@ def play(
     from ui.command_line.seats import person_seat
     from ui.command_line.settings import (
         changes_of,
+        check_simulated,
         note_doubts,
         setting_of,
         study_of,
@@ -166,15 +166,7 @@ def play(
     study = with_language(with_open_to(study, open_to), language, study_file)
     if participant != PERSON:
         study = with_strategy(study, participant)
-    if study.robots_from.is_real:
-        problem = "robots_from: this study is for real robots, but `play` simulates them"
-        fail(
-            BAD_INPUT,
-            f"{problem}. Start `thbridge server`, `simr`, `hider` and `tabui`, or set robots_from: sim in the study.",
-        )
-    if study.external_nodes is not ExternalNodes.NONE:
-        problem = "external_nodes: other ROS nodes shall drive these robots, but `play` drives the robots itself"
-        fail(BAD_INPUT, f"{problem}. Start `simr --ros` with this study, and play with `simr --robots-from ros`.")
+    check_simulated(study, "play")
     setting = setting_of(study, study_file)
     note_doubts(setting)
     others = _roles(outside, study)

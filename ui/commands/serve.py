@@ -101,7 +101,7 @@ def serve(
     from ui.command_line.keys import keys_of
     from ui.command_line.networks import check_browsers, check_networks
     from ui.command_line.schedulers import warn_if_open
-    from ui.command_line.settings import note_doubts, setting_of, study_of
+    from ui.command_line.settings import check_simulated, note_doubts, setting_of, study_of
     from ui.first_start.compiling import compile_ahead, usable_cores
     from ui.web.gateway.draining import drain as drain_server
     from ui.web.pool.running_games import RunningGames
@@ -200,6 +200,7 @@ def serve(
             _serve_folder(served, options, begin, window)
             return
         study = study_of(served, {})
+        check_simulated(study, "serve")
         note_doubts(setting_of(study, served))
         chosen = options(study, served)
         if scheduler is not None:

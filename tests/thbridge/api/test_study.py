@@ -39,6 +39,8 @@ def test_another_seed_changes_nothing_else() -> None:
         ("robots: 2\n", {"seed": -1}, "changes, line 1, seed: ", 1, "seed"),
         ("robots: 2\nmap: nowhere\n", {}, "no map has this name", 2, "map"),
         ("robots_from: ros\n", {}, "robots_from: this study is for real robots", None, "robots_from"),
+        ("robots_from: ros2\n", {}, "robots_from: this study is for real robots", None, "robots_from"),
+        ("external_nodes: both\n", {}, "external_nodes: other ROS nodes drive these robots", None, "external_nodes"),
     ],
 )
 def test_a_fault_names_file_line_key_and_remedy(

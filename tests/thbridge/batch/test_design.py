@@ -126,6 +126,8 @@ def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
         ("seeds: [1, 2, 1]\n", "design.yaml, line 1, seeds: a seed is listed twice. "),
         ("seeds: [1]\nreplicates: 4\n", "design.yaml, line 2, replicates: `seeds` already lists the seeds. "),
         ("base: {robots_from: ros}\n", "robots_from: a sweep supports only simulated robots. Write sim."),
+        ("base: {robots_from: ros2}\n", "robots_from: a sweep supports only simulated robots. Write sim."),
+        ("base: {external_nodes: both}\n", "external_nodes: the robots of a sweep cannot use external ROS nodes."),
         (
             "base: {game.energy: 20, game: {energy: 30}}\n",
             "design.yaml, line 1, game.energy: written twice. Keep one of the two.",

@@ -216,6 +216,7 @@ def test_a_study_under_way_goes_on_with_faults_that_an_earlier_release_let_pass(
             "line 2, base.dialogue.each.3: there is no robot 3: the study has 2. Write a number from 1 to 2",
         ),
         ("{participant.shows.answers: false}", "{robots_from: ros}", "line 2, base.robots_from: the kiosk supports"),
+        ("{participant.shows.answers: false}", "{robots_from: ros2}", "line 2, base.robots_from: the kiosk supports"),
         ("{participant.shows.answers: false}", "{external_nodes: both}", "line 2, base.external_nodes: "),
         (
             "dialogue.condition: [",
