@@ -98,6 +98,7 @@ class FleetNames:
             move_base=f"{nav2.action}/_action",
             plan=topic(own.plan),
             battery=topic(own.battery),
+            tf=nav2.tf,
             recorded=tuple(topic(name) for name in own.recorded),
         )
         return remote, nav2

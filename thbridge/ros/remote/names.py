@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from thbridge.ros.names import TF
+
 
 @dataclass(frozen=True, slots=True)
 class RemoteNames:
@@ -20,6 +22,7 @@ class RemoteNames:
         move_base: name of its action server.
         plan: topic of its global plan.
         recorded: other topics. They are only recorded.
+        tf: topic of its transforms, for people. `RemoteRobot` itself receives them as /tf.
     """
 
     map_frame: str
@@ -34,6 +37,7 @@ class RemoteNames:
     move_base: str
     plan: str
     recorded: tuple[str, ...] = ()
+    tf: str = TF
 
     def action(self, part: str) -> str:
         """Return the topic of a part of the robot's action: goal, cancel, status, feedback or result."""

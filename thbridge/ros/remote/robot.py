@@ -105,9 +105,9 @@ class RemoteRobot:
         named = self.names
         parts = []
         if self._pose.received_ns is None:
-            parts.append(f"no odometry on {named.odom}, or {named.odom_frame} -> {named.base_frame} on {names.TF}")
+            parts.append(f"no odometry on {named.odom}, or {named.odom_frame} -> {named.base_frame} on {named.tf}")
         if not self._pose.localized:
-            parts.append(f"no pose on {named.amcl_pose}, or {named.map_frame} -> {named.odom_frame} on {names.TF}")
+            parts.append(f"no pose on {named.amcl_pose}, or {named.map_frame} -> {named.odom_frame} on {named.tf}")
         if not self._goals.server_seen:
             parts.append(f"no action server on {named.action('status')}")
         return parts
