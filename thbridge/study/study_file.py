@@ -341,7 +341,8 @@ class Study:
     )
     external_nodes: ExternalNodes = param(
         ExternalNodes.NONE,
-        "external ROS nodes that replace the software of simulated robots, with `simr --ros`; both: move_base and amcl",
+        "external ROS nodes that replace the software of simulated robots, with `simr --ros` or `simr --ros2`; both: "
+        "move_base (all of the navigation) and amcl",
     )
     seed: int = param(1, "random seed; the same seed gives the same run", "", 0, 2**31 - 1)
     rate: float | None = param(
