@@ -37,6 +37,7 @@ from pathlib import Path
 from typing import TypeAlias, cast
 
 import attack_browsers
+import attack_ros2
 from attack_browsers import BrowserBreachError, PlayingPerson
 from free_ports import free_ports
 
@@ -74,6 +75,8 @@ class Doors:
     ros: int
     foxglove: int
     web: int
+    ros2: int = 0
+    """Domain of the ROS 2 graph."""
     node: int = 0
     tcpros: int = 0
 
@@ -95,7 +98,7 @@ class Honest(threading.Thread):
     """Thread that runs honest programs during an attack; some of them open a new connection for each request.
 
     They are a participant's program, a client with a key, a researcher, a ground station, ROS tools at the master and a
-    node, and a person who plays a game in a browser.
+    node, a node of ROS 2, and a person who plays a game in a browser.
 
     Attributes:
         wait: longest waiting time of a program since `wait` was last reset, seconds.
@@ -107,6 +110,7 @@ class Honest(threading.Thread):
     def __init__(self, doors: "Doors") -> None:
         super().__init__(daemon=True)
         self._person = PlayingPerson(doors.web)
+        self._node = attack_ros2.HonestNode(doors.ros2)
         self.wait = self.lag = 0.0
         self.refused = 0
         self.slowest = ""
@@ -124,6 +128,7 @@ class Honest(threading.Thread):
             "MAVLink": self._beat,
             "master": lambda: self._call(self._doors.ros),
             "node": lambda: self._call(self._doors.node),
+            "ROS 2": self._node.go_on,
             "browser": self._person.go_on,
         }
         while not self._stopped.wait(0.1):
@@ -142,6 +147,7 @@ class Honest(threading.Thread):
         """Stop the requests."""
         self._stopped.set()
         self.join(30)
+        self._node.close()
 
     def _ping(self) -> None:
         if self._client is None:
@@ -695,6 +701,19 @@ def attacks_on_browsers(doors: Doors, outside: Outside, draws: random.Random, sc
         yield f"web: megabytes of {name}", partial(outside, partial(pour, port, begin, piece, 30 * scale, 30.0))
 
 
+def attacks_on_ros2(doors: Doors, outside: Outside, scale: int) -> Iterator[Attack]:
+    """Yield attacks on the ROS 2 graph."""
+
+    async def run(attack: Callable[[], tuple[int, int]]) -> int:
+        tries = await outside(attack)
+        if outside.cut:
+            raise BreachError
+        return tries
+
+    for name, attack in attack_ros2.attacks_on_ros2(doors.ros2, scale):
+        yield name, partial(run, attack)
+
+
 def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int, folder: Path) -> list[Attack]:
     """Return all attacks with their names. Scale 1 is quick, 10 is the original size; the session runs in `folder`."""
     may_give_away = os.geteuid() == 0
@@ -743,6 +762,7 @@ def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int, fo
         ("files: links at the path of a recording", lambda: links_in_a_recording(folder)),
         *([("files: links of another account", links_of_others)] if may_give_away else []),
         *crowds_and_floods(doors, outside, scale),
+        *attacks_on_ros2(doors, outside, scale),
         *attacks_on_browsers(doors, outside, draws, scale),
     ]
 
@@ -889,7 +909,7 @@ def main() -> int:
         "--descriptors", type=int, help="limit of the session's descriptors (default: the system's limit)"
     )
     given = parser.parse_args()
-    doors = Doors(*free_ports(7))
+    doors = Doors(*free_ports(7), attack_ros2.free_domain())
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         KeyRing(folder / "keys", utc_now).add("honest", [Right.ADMIN], KEY, None)
@@ -897,7 +917,7 @@ def main() -> int:
         options = ["--port", str(doors.text), "--watch", str(doors.watch), "--keys", "keys", "--ros"]
         options += ["--ros-master", f"http://{HOST}:{doors.ros}", "--mavlink", "--tcp", f"{HOST}:{doors.tcp}"]
         options += ["--udp-listen", f"{HOST}:{doors.udp}", "--rate", "1", "--bag", "hunt.bag", "--no-report"]
-        options += ["--foxglove", str(doors.foxglove)]
+        options += ["--foxglove", str(doors.foxglove), "--ros2", "--ros2-domain", str(doors.ros2)]
         # A recording with a new part every two seconds always needs a free descriptor.
         (folder / "study.yaml").write_text("recording: {split_duration: 2}\n")
         output = folder / "output.txt"
