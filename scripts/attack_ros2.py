@@ -14,6 +14,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from itertools import cycle, islice
 
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.qos import LATCHED, SERVICES, QosProfile
@@ -309,19 +310,14 @@ def absurd_acknowledgments(domain: int, count: int) -> tuple[int, int]:
     foe.graph.reader(node, topic_name("/tf"), types.message("tf2_msgs/msg/TFMessage"), SERVICES, lambda sample: None)
     foe.live(1.5)
     targets = [guid[-4:] for guid in reader.writers] or [guids.writer_id(1)]
-    bases = [1, 0, 2**20, _LARGEST]
-
-    def requests() -> Iterator[bytes]:
-        for number in range(count):
-            many, base = range(900 * number, 900 * number + 900), bases[number % len(bases)]
-            for target, own in ((targets[0], reader.id), (guids.PUBLICATIONS_WRITER, guids.PUBLICATIONS_READER)):
-                wanted = range(max(base, 1), max(base, 1) + 256)
-                yield foe.filled(
-                    [rtps.encode_acknowledgment(own, target, max(base, 1), wanted, each, final=False) for each in many]
-                )
-                yield foe.filled([rtps.encode_fragment_request(own, target, 1, wanted, each) for each in many])
-
-    return foe.flood(requests()), 0
+    sent: list[bytes] = []
+    for base, fragment in ((1, 1), (2**20, 2**20), (_LARGEST, 2**32 - 300)):
+        for target, own in ((targets[0], reader.id), (guids.PUBLICATIONS_WRITER, guids.PUBLICATIONS_READER)):
+            samples, fragments = range(base, base + 256), range(fragment, fragment + 256)
+            asked = [rtps.encode_acknowledgment(own, target, base, samples, at, final=False) for at in range(900)]
+            sent += [foe.filled(asked)]
+            sent += [foe.filled([rtps.encode_fragment_request(own, target, 1, fragments, at) for at in range(900)])]
+    return foe.flood(islice(cycle(sent), count)), 0
 
 
 def invented_participants(domain: int, count: int) -> tuple[int, int]:
@@ -367,11 +363,11 @@ def invented_endpoints(domain: int, count: int) -> tuple[int, int]:
 
 
 def forged_disposals(domain: int, count: int) -> tuple[int, int]:
-    """Say in the name of all other participants that they and their endpoints are gone."""
+    """Say in the name of all other participants that they are gone, and in the own name that their endpoints are."""
     foe = HostileParticipant(domain, alone=False)
     foe.live(2.0)
     gone = [each.guid for each in foe.participant.endpoints()]
-    session = foe.participant
+    own = foe.participant.prefix
     prefixes = {guid[: guids.PREFIX_SIZE] for guid in gone}
 
     def goodbyes() -> Iterator[bytes]:
@@ -382,9 +378,7 @@ def forged_disposals(domain: int, count: int) -> tuple[int, int]:
             guid = gone[number % len(gone)]
             inline, key = disposal(guid)
             by = guids.PUBLICATIONS_WRITER if guids.is_writer(guid) else guids.SUBSCRIPTIONS_WRITER
-            # In their own name, and in that of their participant with the numbers that it may use next.
-            for prefix in (session.prefix, guid[: guids.PREFIX_SIZE]):
-                yield rtps.encode_header(prefix) + rtps.encode_data(by, 1 + number % 50, key, 0, inline, key=True)
+            yield rtps.encode_header(own) + rtps.encode_data(by, 1 + number % 50, key, 0, inline, key=True)
             time.sleep(0.01)
 
     return foe.flood(goodbyes(), discovery=True), 0
@@ -485,7 +479,7 @@ def attacks_on_ros2(domain: int, scale: int) -> Iterator[tuple[str, Callable[[],
     yield "ROS 2: huge counts and lengths", partial(huge_numbers, domain, 2000 * scale)
     yield "ROS 2: fragments that are never complete", partial(endless_fragments, domain, 1000 * scale)
     yield "ROS 2: absurd heartbeats", partial(absurd_heartbeats, domain, 500 * scale)
-    yield "ROS 2: absurd acknowledgments", partial(absurd_acknowledgments, domain, 250 * scale)
+    yield "ROS 2: absurd acknowledgments", partial(absurd_acknowledgments, domain, 500 * scale)
     yield "ROS 2: forged disposals", partial(forged_disposals, domain, 200 * scale)
     yield "ROS 2: requests without end", partial(requests_without_end, domain, 1000 * scale)
     yield "ROS 2: readers that never acknowledge", partial(silent_readers, domain, 10.0)

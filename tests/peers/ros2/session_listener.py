@@ -1,7 +1,7 @@
 """A node of rclpy that subscribes to all topics of a session, and writes what it gets into a file.
 
 It runs with the Python of the peer, so it imports nothing of the project. Arguments: number of topics to wait for,
-seconds to listen, and the file.
+seconds to listen, the file, and seconds to wait for the topics.
 """
 
 import importlib
@@ -37,11 +37,11 @@ def keep(messages, data):
     messages.append(bytes(data).hex())
 
 
-def main(expected, seconds, out):
+def main(expected, seconds, out, patience):
     """Listen, and write the file."""
     rclpy.init()
     node = rclpy.create_node("session_listener")
-    end = time.monotonic() + 60.0
+    end = time.monotonic() + patience
     while len(found := offers(node)) < expected and time.monotonic() < end:
         rclpy.spin_once(node, timeout_sec=0.1)
     heard = {}
@@ -67,4 +67,4 @@ def main(expected, seconds, out):
     Path(out).write_text(json.dumps(heard))
 
 
-main(int(sys.argv[1]), float(sys.argv[2]), sys.argv[3])
+main(int(sys.argv[1]), float(sys.argv[2]), sys.argv[3], float(sys.argv[4]) if len(sys.argv) > 4 else 60.0)

@@ -12,13 +12,14 @@ from collections.abc import Callable, Sequence
 from thbridge.ros2.qos import QosProfile
 from thbridge.ros2.supports import MessageSupport, ServiceSupport
 from thbridge.ros2graph.sockets.carrier import GraphClient, GraphWriter, OnMessage, OnRequest
+from thbridge.ros2graph.sockets.reading_shares import ReadingShares
 from thbridge.ros2graph.values.graph import GraphEndpoint, NodeName
 from thbridge.ros2graph.wire.rtps import ports
 from thbridge.ros2graph.wire.rtps.dds_graph import DdsGraph
 from thbridge.ros2graph.wire.rtps.guids import PREFIX_SIZE
 from thbridge.ros2graph.wire.rtps.parameters import UdpAddress
 from thbridge.ros2graph.wire.rtps.participant import TICK_NS, RtpsParticipant
-from thbridge.ros2graph.wire.rtps.submessages import VENDOR
+from thbridge.ros2graph.wire.rtps.submessages import HEADER_SIZE, PREFIX_AT, VENDOR
 from thbridge.sockets.addresses import LOCALHOST
 from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
@@ -27,8 +28,9 @@ from thbridge.sockets.warn_once import WarnOnce
 DATAGRAM_SIZE, NETWORK_DATAGRAM_SIZE = 16_000, 1_400
 """Maximum number of bytes of a datagram on loopback, and on a network. There, it fits into one Ethernet frame."""
 
-_AT_ONCE = 64
-"""Maximum number of datagrams that are read in one round of the event loop. The rest of the time is for other work."""
+_AT_ONCE, _AT_ONCE_NS = 64, 3_000_000
+"""Maximum number of datagrams that are read in one round of the event loop, and maximum time. Other work follows."""
+_STRANGER = b""
 _BUFFER = 4 << 20
 _LARGEST_DATAGRAM = 65_536
 _NANO = 1_000_000_000
@@ -65,10 +67,11 @@ class DdsCarrier:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._timer: asyncio.TimerHandle | None = None
         self._is_woken = False
+        self._shares = ReadingShares()
         is_local = ports.is_loopback(interface)
         self._participant = RtpsParticipant(
             VENDOR + os.urandom(PREFIX_SIZE - len(VENDOR)),
-            ports.reach_on_loopback if is_local else ports.reach_on_network,
+            ports.reach_on_loopback if is_local else self._reach_admitted,
             DATAGRAM_SIZE if is_local else NETWORK_DATAGRAM_SIZE,
         )
         self._graph = DdsGraph(self._participant, clock, self._wake, self._warn)
@@ -176,6 +179,7 @@ class DdsCarrier:
 
     def _receive(self, bound: socket.socket) -> None:
         now_ns, stamp_ns = self._now_ns(), self._clock()
+        began_ns = before_ns = time.thread_time_ns()
         for _ in range(_AT_ONCE):
             try:
                 datagram, source = bound.recvfrom(_LARGEST_DATAGRAM)
@@ -186,13 +190,30 @@ class DdsCarrier:
                 break
             if self._drops is not None and self._drops():
                 continue
-            if source[0] != self._interface and not self._admission.admits(source[0]):
+            if not self._admits(source[0]):
                 self._warn(f"datagrams from {source[0]} are dropped: its network is not admitted (--open-to)")
                 continue
-            fault = self._participant.receive(datagram, source[0], now_ns, stamp_ns)
-            if fault is not None:
-                self._warn(f"a datagram from {source[0]} was dropped: {fault}")
+            prefix = datagram[PREFIX_AT:HEADER_SIZE]
+            payer = prefix if self._participant.has_peer(prefix) else _STRANGER
+            if not self._shares.has_time(payer):
+                self._warn(f"datagrams from {source[0]} are dropped: there are too many")
+            else:
+                fault = self._participant.receive(datagram, source[0], now_ns, stamp_ns)
+                if fault is not None:
+                    self._warn(f"a datagram from {source[0]} was dropped: {fault}")
+            spent_ns = time.thread_time_ns()
+            self._shares.spend(payer, spent_ns - before_ns)
+            before_ns = spent_ns
+            if spent_ns - began_ns > _AT_ONCE_NS:
+                break
         self._send()
+
+    def _admits(self, host: str) -> bool:
+        return host == self._interface or self._admission.admits(host)
+
+    def _reach_admitted(self, addresses: Sequence[UdpAddress], source: str) -> UdpAddress | None:
+        """Select the address of a participant. Nothing is sent to machines that are not admitted."""
+        return ports.reach_on_network([each for each in addresses if self._admits(each.host)], source)
 
     def _send(self) -> None:
         self._is_woken = False
@@ -214,6 +235,7 @@ class DdsCarrier:
 
     def _tick(self) -> None:
         self._timer = asyncio.get_running_loop().call_later(TICK_NS / _NANO, self._tick)
+        self._shares.tick()
         self._graph.tick(self._now_ns())
         self._send()
 

@@ -28,6 +28,8 @@ MOST_CALLS = 1024
 """Maximum number of calls of a client that wait for their response. Older calls get none."""
 MOST_HELD = 64
 """Maximum number of responses of a server that wait until their client's reader is known."""
+LARGEST_LIST = 1 << 20
+"""Maximum number of bytes of the list of a participant's nodes."""
 _SERVICE_TYPE_END = "_Request"
 
 
@@ -62,9 +64,10 @@ class DdsGraph:
         self._warn = warn
         self._own: dict[NodeName, _Entities] = {}
         self._others: dict[bytes, list[NodeEntities]] = {}
-        self._node_of: dict[Guid, NodeName] = {}
+        self._node_of: dict[bytes, dict[Guid, NodeName]] = {}
         self._servers: list[DdsServer] = []
         self._is_stale = True
+        self._has_changed = False
         participant.on_change = self._on_change
         user_data = ros_names.hash_data(ros_names.DISCOVERY_HASH)
         topic = (ros_names.DISCOVERY_TOPIC, ros_names.DISCOVERY_TYPE)
@@ -125,14 +128,14 @@ class DdsGraph:
             if role is not None and type_name is not None:
                 if data.topic.startswith("rq"):
                     type_name = type_name.removesuffix(_SERVICE_TYPE_END)
-                node = self._node_of.get(data.guid)
+                node = self._node(data.guid)
                 type_hash = ros_names.hash_of(data.user_data)
                 found.append(GraphEndpoint(role[0], node, role[1], type_name, type_hash, data.qos, data.guid))
         return found
 
     def node_of(self, gid: Guid) -> str:
         """Return the full name of the node of an endpoint; the GUID as hexadecimal digits if the node is unknown."""
-        node = self._node_of.get(gid)
+        node = self._node(gid)
         return gid.hex() if node is None else node.whole
 
     def tick(self, now_ns: int) -> None:
@@ -141,7 +144,10 @@ class DdsGraph:
         self.flush()
 
     def flush(self) -> None:
-        """Announce changes of our nodes. This is done once for many changes."""
+        """Announce changes of our nodes, and process those of others. This is done once for many changes."""
+        if self._has_changed:
+            self._has_changed = False
+            self._follow_others()
         if self._is_stale:
             self._is_stale = False
             nodes = [NodeEntities(node, each.readers, each.writers) for node, each in self._own.items()]
@@ -149,12 +155,12 @@ class DdsGraph:
             self.participant.write(self._info, message, self.stamp())
 
     def _on_change(self) -> None:
-        """Process a change of other participants or their endpoints."""
-        if any(not self.participant.has_peer(prefix) for prefix in self._others):
-            self._others = {
-                prefix: nodes for prefix, nodes in self._others.items() if self.participant.has_peer(prefix)
-            }  # fmt: skip
-            self._index()
+        """Note a change of other participants or their endpoints."""
+        self._has_changed = True
+
+    def _follow_others(self) -> None:
+        for prefix in [each for each in self._others if not self.participant.has_peer(each)]:
+            del self._others[prefix], self._node_of[prefix]
         for server in self._servers:
             server.send_held()
 
@@ -214,19 +220,21 @@ class DdsGraph:
     def _on_info(self, sample: ReceivedSample) -> None:
         if sample.disposed or not sample.payload:
             return
+        if len(sample.payload) > LARGEST_LIST:
+            self.warn("a participant's list of nodes is too long")
+            return
+        prefix = sample.writer[:PREFIX_SIZE]
         try:
-            self._others[sample.writer[:PREFIX_SIZE]] = decode_entities(sample.payload)
+            nodes = decode_entities(sample.payload)
         except ValueError as fault:
             self.warn(str(fault))
-        self._index()
+            return
+        self._others[prefix] = nodes
+        self._node_of[prefix] = {gid: each.node for each in nodes for gid in (*each.readers, *each.writers)}
 
-    def _index(self) -> None:
-        self._node_of = {
-            gid: each.node
-            for nodes in self._others.values()
-            for each in nodes
-            for gid in (*each.readers, *each.writers)
-        }
+    def _node(self, gid: Guid) -> NodeName | None:
+        """Return the node of an endpoint. Only its own participant can say it."""
+        return self._node_of.get(gid[:PREFIX_SIZE], {}).get(gid)
 
 
 class DdsWriter:

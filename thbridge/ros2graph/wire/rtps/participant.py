@@ -8,7 +8,8 @@ Source: DDSI-RTPS 2.3, section 8.5 (discovery).
 
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterator, Sequence, Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import islice
 from typing import TypeAlias
 
 from thbridge.ros2.qos import Durability, QosProfile
@@ -45,6 +46,16 @@ MOST_PEERS = 128
 """Maximum number of other participants."""
 MOST_ENDPOINTS = 16_384
 """Maximum number of endpoints of all other participants."""
+MOST_PEER_ENDPOINTS = MOST_ENDPOINTS // 2
+"""Maximum number of endpoints of one participant."""
+LONGEST_LEASE_NS = 300_000_000_000
+"""Maximum time without announcement after which a participant counts as gone, even if it wants a longer time."""
+GOODBYE_NS = 500_000_000
+"""Time without a sign of life after which a participant that has said goodbye counts as gone."""
+MOST_SUBMESSAGES = 512
+"""Maximum number of submessages of a datagram. Further ones are dropped, as if their datagram was lost."""
+MOST_POSTPONED, MOST_ANSWERS = 4096, 256
+"""Maximum number of heartbeats and requests that wait for their answer, and of those that are answered at a time."""
 MOST_DISPOSALS = 256
 """Number of our last disposals that are kept for slow peers."""
 TICK_NS = 25_000_000
@@ -61,6 +72,9 @@ Reach: TypeAlias = Callable[[Sequence[UdpAddress], str], UdpAddress | None]
 None if no address can be reached."""
 
 
+_Postponed: TypeAlias = Acknowledgment | FragmentRequest | Heartbeat | HeartbeatFragment
+
+
 @dataclass(slots=True)
 class _Peer:
     """Other participant, and its endpoints."""
@@ -69,7 +83,7 @@ class _Peer:
     source: str
     metatraffic: Destination
     default: Destination
-    expires_ns: int | None
+    expires_ns: int
     endpoints: dict[Guid, EndpointData] = field(default_factory=dict)
 
 
@@ -108,6 +122,8 @@ class RtpsParticipant:
         self._initial: list[Destination] = []
         self._announcements = 0
         self._fault: str | None = None
+        self._postponed: dict[tuple[object, ...], _Postponed] = {}
+        self._stamp_ns = 0
         self._due_ns: int | None = None
         self._peers: dict[bytes, _Peer] = {}
         self._known = 0
@@ -206,15 +222,16 @@ class RtpsParticipant:
             stamp_ns: nanoseconds since 1970.
         """
         self._fault = None
+        self._stamp_ns = stamp_ns
         try:
             _, prefix, submessages = decode_datagram(datagram, self.prefix)
             if prefix == self.prefix:
                 return None
             peer = self._peers.get(prefix)
-            if peer is not None and peer.data.lease_ns is not None:
-                peer.expires_ns = now_ns + peer.data.lease_ns
-            for each in submessages:
-                self._process(each, source, now_ns, stamp_ns)
+            if peer is not None:
+                peer.expires_ns = now_ns + _lease_ns(peer.data)
+            for each in islice(submessages, MOST_SUBMESSAGES):
+                self._process(each, source, now_ns)
         except ValueError as fault:
             self._fault = str(fault)
         return self._fault
@@ -235,13 +252,13 @@ class RtpsParticipant:
         for endpoint in list(self._busy):
             if not endpoint.tick(now_ns):
                 self._busy.pop(endpoint, None)
-        for prefix in [
-            each for each, peer in self._peers.items() if peer.expires_ns is not None and now_ns > peer.expires_ns
-        ]:
+        for prefix in [each for each, peer in self._peers.items() if now_ns > peer.expires_ns]:
             self._lose(prefix)
 
     def drain(self) -> list[Outgoing]:
-        """Return the datagrams that are to be sent."""
+        """Answer heartbeats and requests, and return the datagrams that are to be sent."""
+        for key in list(islice(self._postponed, MOST_ANSWERS)):
+            self._answer(self._postponed.pop(key))
         return self.outbox.drain()
 
     def is_known_to(self, prefix: bytes, endpoint: RtpsWriter | RtpsReader) -> bool:
@@ -291,43 +308,74 @@ class RtpsParticipant:
         for other in list(self._by_topic[data.topic].values()):
             self._match(own, other)
 
-    def _process(self, message: Submessage, source: str, now_ns: int, stamp_ns: int) -> None:
+    def _process(self, message: Submessage, source: str, now_ns: int) -> None:
         if isinstance(message, Acknowledgment | FragmentRequest):
             writer = self._writers.get(message.writer)
-            if writer is None:
-                return
-            if isinstance(message, Acknowledgment):
-                writer.on_acknowledgment(message, stamp_ns)
-            else:
-                writer.on_fragment_request(message, stamp_ns)
+            if writer is not None and writer.knows(message.reader):
+                self._postpone(message)
             return
         if message.writer[PREFIX_SIZE:] == guids.SPDP_WRITER:
             if isinstance(message, Data):
                 self._on_participant(message, source, now_ns)
             return
-        for reader in self._readers_of.get(message.writer, ()):
-            if message.reader not in {guids.UNKNOWN, reader.id}:
-                continue
+        if isinstance(message, Heartbeat | HeartbeatFragment):
+            if message.writer in self._readers_of:
+                self._postpone(message)
+            return
+        for reader in self._receivers(message.writer, message.reader):
             match message:
                 case Data():
                     reader.on_data(message)
                 case DataFragment():
                     reader.on_fragment(message)
-                case Heartbeat():
-                    reader.on_heartbeat(message)
-                case HeartbeatFragment():
-                    reader.on_fragment_heartbeat(message)
                 case SampleGap():
                     reader.on_gap(message)
 
+    def _postpone(self, message: "_Postponed") -> None:
+        """Answer a submessage later. A newer one of the same endpoints replaces it, because each has the whole state.
+
+        A datagram may contain thousands of them, and an answer takes longer than reading.
+        """
+        key = (type(message), message.writer, message.reader, getattr(message, "sequence", 0))
+        before = self._postponed.get(key)
+        if before is None and len(self._postponed) >= MOST_POSTPONED:
+            return  # It is repeated by its sender.
+        if isinstance(message, Heartbeat) and isinstance(before, Heartbeat) and message.final > before.final:
+            message = replace(message, final=False)
+        self._postponed[key] = message
+
+    def _answer(self, message: "_Postponed") -> None:
+        match message:
+            case Acknowledgment() | FragmentRequest():
+                writer = self._writers.get(message.writer)
+                if writer is None:
+                    return
+                self._busy[writer] = None
+                if isinstance(message, Acknowledgment):
+                    writer.on_acknowledgment(message, self._stamp_ns)
+                else:
+                    writer.on_fragment_request(message, self._stamp_ns)
+            case Heartbeat():
+                for reader in self._receivers(message.writer, message.reader):
+                    reader.on_heartbeat(message)
+            case HeartbeatFragment():
+                for reader in self._receivers(message.writer, message.reader):
+                    reader.on_fragment_heartbeat(message)
+
+    def _receivers(self, writer: Guid, reader: bytes) -> list[RtpsReader]:
+        """Return our readers that a submessage of a writer is for."""
+        return [each for each in self._readers_of.get(writer, ()) if reader in {guids.UNKNOWN, each.id}]
+
     def _on_participant(self, message: Data, source: str, now_ns: int) -> None:
         if is_disposed(message.inline):
-            if disposed_guid(message.inline, message.payload)[:PREFIX_SIZE] == message.writer[:PREFIX_SIZE]:
-                self._lose(message.writer[:PREFIX_SIZE])
+            peer = self._peers.get(message.writer[:PREFIX_SIZE])
+            if peer is not None and disposed_guid(message.inline, message.payload) == peer.data.guid:
+                # Anybody can send a goodbye in its name. If it is alive, it stays.
+                peer.expires_ns = now_ns + GOODBYE_NS
             return
         data = ParticipantData.decode(message.payload)
         prefix = data.guid[:PREFIX_SIZE]
-        expires_ns = None if data.lease_ns is None else now_ns + data.lease_ns
+        expires_ns = now_ns + _lease_ns(data)
         known = self._peers.get(prefix)
         if known is not None:
             known.expires_ns = expires_ns
@@ -339,7 +387,10 @@ class RtpsParticipant:
         if metatraffic is None or default is None:
             raise ValueError("a participant has no address that can be reached")
         if len(self._peers) >= MOST_PEERS:
-            raise ValueError(f"there are more than {MOST_PEERS} participants")
+            silent = next((known for known, each in self._peers.items() if not each.endpoints), None)
+            if silent is None:
+                raise ValueError(f"there are more than {MOST_PEERS} participants")
+            self._lose(silent)
         peer = _Peer(
             data,
             source,
@@ -403,6 +454,8 @@ class RtpsParticipant:
             self._forget_endpoint(peer.endpoints.pop(data.guid))
         if self._known >= MOST_ENDPOINTS:
             raise ValueError(f"there are more than {MOST_ENDPOINTS} endpoints")
+        if len(peer.endpoints) >= MOST_PEER_ENDPOINTS:
+            raise ValueError(f"a participant has more than {MOST_PEER_ENDPOINTS} endpoints")
         self._known += 1
         peer.endpoints[data.guid] = data
         self._by_topic[data.topic][data.guid] = data
@@ -446,6 +499,10 @@ class RtpsParticipant:
             readers.remove(own.endpoint)
             if not readers:
                 del self._readers_of[guid]
+
+
+def _lease_ns(data: ParticipantData) -> int:
+    return LONGEST_LEASE_NS if data.lease_ns is None else min(data.lease_ns, LONGEST_LEASE_NS)
 
 
 def _first_request(vendor: bytes) -> int:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from thbridge.ros2.qos import DeliveryReliability, QosProfile
+from thbridge.ros2.qos import DeliveryReliability, Durability, QosProfile
 from thbridge.ros2graph.wire.rtps.discovery import is_disposed
 from thbridge.ros2graph.wire.rtps.guids import Guid
 from thbridge.ros2graph.wire.rtps.outbox import Destination, Outbox
@@ -36,6 +36,10 @@ MOST_INCOMPLETE = 8
 """Maximum number of samples per writer in reassembly."""
 HELD_BYTES = 128 << 20
 """Maximum number of bytes that a participant holds in samples that wait for others, or for their fragments."""
+MOST_LEFT = 64
+"""Maximum number of lost writers whose position a reader remembers."""
+_OVERHEAD = 128
+"""Bytes that a held sample or fragment needs in addition to its content."""
 _PAUSE_NS = 100_000_000
 """Pause between two requests of a first heartbeat."""
 
@@ -90,6 +94,7 @@ class _Incomplete:
     inline: Sequence[Parameter]
     pieces: dict[int, bytes] = field(default_factory=dict)
     held: int = 0
+    first_missing: int = 1
 
     @property
     def total(self) -> int:
@@ -97,13 +102,10 @@ class _Incomplete:
 
     def missing(self) -> list[int]:
         """Return the missing fragments that one request can name."""
-        found: list[int] = []
-        for number in range(1, self.total + 1):
-            if number not in self.pieces:
-                if found and number - found[0] >= MOST_BITS:
-                    break
-                found.append(number)
-        return found
+        while self.first_missing in self.pieces:
+            self.first_missing += 1
+        end = min(self.first_missing + MOST_BITS, self.total + 1)
+        return [number for number in range(self.first_missing, end) if number not in self.pieces]
 
 
 @dataclass(slots=True)
@@ -119,7 +121,6 @@ class _MatchedWriter:
         early: samples that wait for an earlier one; None for a sample that will not come.
         incomplete: samples in reassembly.
         heartbeats: count of the last heartbeat.
-        count: count of our last acknowledgment.
         due_ns: time of the next request of a first heartbeat.
     """
 
@@ -131,7 +132,6 @@ class _MatchedWriter:
     early: dict[int, ReceivedSample | None] = field(default_factory=dict)
     incomplete: dict[int, _Incomplete] = field(default_factory=dict)
     heartbeats: int = -1
-    count: int = 0
     due_ns: int | None = None
 
 
@@ -154,6 +154,9 @@ class RtpsReader:
         self._held = held
         self._on_sample = on_sample
         self._writers: dict[Guid, _MatchedWriter] = {}
+        self._left: dict[Guid, int] = {}
+        # A writer that is matched again may remember the last count, and ignores lower ones.
+        self._count = 0
 
     @property
     def writers(self) -> Sequence[Guid]:
@@ -174,7 +177,8 @@ class RtpsReader:
         if len(self._writers) >= MOST_WRITERS:
             return False
         reliable = qos.reliability == self.qos.reliability == DeliveryReliability.RELIABLE
-        matched = _MatchedWriter(writer, destination, reliable, first_request, None if reliable else 1)
+        start = self._left.pop(writer, None) if reliable else 1
+        matched = _MatchedWriter(writer, destination, reliable, first_request, start)
         self._writers[writer] = matched
         if reliable:
             self._request_heartbeat(matched)
@@ -183,8 +187,14 @@ class RtpsReader:
     def unmatch(self, writer: Guid) -> None:
         """Stop receiving from a writer."""
         matched = self._writers.pop(writer, None)
-        if matched is not None:
-            self._discard(matched, 1 << 62)
+        if matched is None:
+            return
+        self._discard(matched, 1 << 62)
+        if matched.reliable and matched.next is not None and self.qos.durability is Durability.VOLATILE:
+            # If the writer did not notice that we lost it, it offers samples again that were already delivered.
+            self._left[writer] = matched.next
+            if len(self._left) > MOST_LEFT:
+                del self._left[next(iter(self._left))]
 
     def on_data(self, message: Data) -> None:
         """Process a sample."""
@@ -208,9 +218,9 @@ class RtpsReader:
             piece = message.payload[start : start + size]
             if size <= 0 or len(piece) < size:
                 break
-            if number not in incomplete.pieces and self._held.take(size):
+            if number not in incomplete.pieces and self._held.take(size + _OVERHEAD):
                 incomplete.pieces[number] = piece
-                incomplete.held += size
+                incomplete.held += size + _OVERHEAD
         if len(incomplete.pieces) == incomplete.total:
             payload = b"".join(incomplete.pieces[number] for number in range(1, incomplete.total + 1))
             self._drop_incomplete(writer, message.sequence)
@@ -247,7 +257,8 @@ class RtpsReader:
         for sequence in (*range(max(message.first, writer.next), end), *message.others):
             if writer.next <= sequence < writer.next + MOST_EARLY:
                 self._drop_incomplete(writer, sequence)
-                writer.early.setdefault(sequence, None)
+                if sequence not in writer.early:
+                    self._hold(writer, sequence, None)
         self._deliver(writer)
 
     def tick(self, now_ns: int) -> bool:
@@ -282,24 +293,31 @@ class RtpsReader:
             writer.next += 1
             self._on_sample(sample)
             self._deliver(writer)
-        elif len(writer.early) < MOST_EARLY and self._held.take(len(sample.payload)):
-            writer.early[sample.sequence] = sample
+        else:
+            self._hold(writer, sample.sequence, sample)
+
+    def _hold(self, writer: _MatchedWriter, sequence: int, sample: ReceivedSample | None) -> None:
+        if len(writer.early) < MOST_EARLY and self._held.take(_held_size(sample)):
+            writer.early[sequence] = sample
+
+    def _release(self, writer: _MatchedWriter, sequence: int) -> ReceivedSample | None:
+        sample = writer.early.pop(sequence)
+        self._held.free(_held_size(sample))
+        return sample
 
     def _deliver(self, writer: _MatchedWriter) -> None:
         """Deliver held samples whose turn has come."""
         while writer.next in writer.early:
-            sample = writer.early.pop(writer.next)
+            sample = self._release(writer, writer.next)
             writer.next += 1
             if sample is not None:
-                self._held.free(len(sample.payload))
                 self._on_sample(sample)
 
     def _skip_to(self, writer: _MatchedWriter, sequence: int) -> None:
         """Deliver all held samples before a number, and continue there."""
         for early in sorted(each for each in writer.early if each < sequence):
-            sample = writer.early.pop(early)
+            sample = self._release(writer, early)
             if sample is not None:
-                self._held.free(len(sample.payload))
                 self._on_sample(sample)
         self._discard(writer, sequence)
         writer.next = sequence
@@ -307,8 +325,7 @@ class RtpsReader:
     def _discard(self, writer: _MatchedWriter, end: int) -> None:
         """Discard held samples and fragments before a number."""
         for sequence in [each for each in writer.early if each < end]:
-            sample = writer.early.pop(sequence)
-            self._held.free(0 if sample is None else len(sample.payload))
+            self._release(writer, sequence)
         for sequence in [each for each in writer.incomplete if each < end]:
             self._drop_incomplete(writer, sequence)
 
@@ -340,9 +357,9 @@ class RtpsReader:
         missing = [each for each in wanted if each not in writer.incomplete]
         if not (wanted or answer):
             return
-        writer.count += 1
+        self._count += 1
         acknowledgment = encode_acknowledgment(
-            self.id, writer.guid[-4:], base, missing, writer.count, final=not wanted
+            self.id, writer.guid[-4:], base, missing, self._count, final=not wanted
         )  # fmt: skip
         self._outbox.add(writer.destination, acknowledgment)
         for sequence in wanted:
@@ -353,15 +370,19 @@ class RtpsReader:
         incomplete = writer.incomplete.get(sequence)
         missing = () if incomplete is None else [each for each in incomplete.missing() if each <= last]
         if missing:
-            writer.count += 1
-            request = encode_fragment_request(self.id, writer.guid[-4:], sequence, missing, writer.count)
+            self._count += 1
+            request = encode_fragment_request(self.id, writer.guid[-4:], sequence, missing, self._count)
             self._outbox.add(writer.destination, request)
 
     def _request_heartbeat(self, writer: _MatchedWriter) -> None:
-        writer.count += 1
-        request = encode_acknowledgment(self.id, writer.guid[-4:], writer.anyone, (), writer.count, final=False)
+        self._count += 1
+        request = encode_acknowledgment(self.id, writer.guid[-4:], writer.anyone, (), self._count, final=False)
         self._outbox.add(writer.destination, request)
 
 
 def _received(writer: Guid, sequence: int, payload: bytes, inline: Sequence[Parameter]) -> ReceivedSample:
     return ReceivedSample(writer, sequence, payload, inline, is_disposed(inline))
+
+
+def _held_size(sample: ReceivedSample | None) -> int:
+    return _OVERHEAD + (0 if sample is None else len(sample.payload))

@@ -16,7 +16,8 @@ VENDOR = b"\x00\x00"
 CYCLONE_VENDOR = b"\x01\x10"
 EPROSIMA_VENDOR = b"\x01\x0f"
 VERSION = b"\x02\x03"
-HEADER_SIZE = 20
+PREFIX_AT, HEADER_SIZE = 8, 20
+"""Offset of the participant's prefix in a datagram, and of the first submessage."""
 
 READER_AT = 20
 """Offset of the reader's id in the bytes of `encode_data` and `encode_fragment`."""
@@ -230,7 +231,7 @@ def decode_datagram(datagram: bytes, own_prefix: bytes) -> tuple[bytes, bytes, I
     """
     if len(datagram) < HEADER_SIZE or datagram[:4] != b"RTPS" or datagram[4] != 2:
         raise ValueError("the datagram has no header of RTPS 2")
-    prefix = datagram[8:HEADER_SIZE]
+    prefix = datagram[PREFIX_AT:HEADER_SIZE]
     return datagram[6:8], prefix, _submessages(datagram, prefix, own_prefix)
 
 

@@ -52,7 +52,7 @@ class _MatchedReader:
         reliable: whether it acknowledges samples.
         start: number of the first sample that it gets.
         acknowledged: number up to which it has all samples.
-        counted: count of its last acknowledgment.
+        counted: count of its last acknowledgment. A reader that has lost us, and knows us again, counts from the start.
         counted_fragments: count of its last request of fragments.
         pause_ns: pause until the next heartbeat.
         due_ns: time of the next heartbeat; None until the next tick decides.
@@ -105,6 +105,10 @@ class RtpsWriter:
     def next(self) -> int:
         """Sequence number of the next sample."""
         return self._last + 1
+
+    def knows(self, reader: Guid) -> bool:
+        """Return True if a reader is matched."""
+        return reader in self._readers
 
     def has_acknowledged(self, reader: Guid, sequence: int) -> bool:
         """Return True if a reader has all samples up to a number."""
@@ -173,12 +177,13 @@ class RtpsWriter:
     def on_acknowledgment(self, message: Acknowledgment, stamp_ns: int) -> None:
         """Process an acknowledgment: send the requested samples, or gaps in their place."""
         reader = self._readers.get(message.reader)
-        if reader is None or not reader.reliable or message.count <= reader.counted or message.base > self._last + 1:
+        if reader is None or not reader.reliable or message.count == reader.counted or message.base > self._last + 1:
             return
         reader.counted = message.count
-        if message.base - 1 > reader.acknowledged:
-            reader.acknowledged = message.base - 1
+        acknowledged = max(message.base, reader.start) - 1
+        if acknowledged > reader.acknowledged:
             reader.pause_ns, reader.due_ns = _FIRST_PAUSE_NS, None
+        reader.acknowledged = acknowledged
         if not message.missing:
             if not message.final:
                 self._announce(reader, final=True)
@@ -204,7 +209,7 @@ class RtpsWriter:
     def on_fragment_request(self, message: FragmentRequest, stamp_ns: int) -> None:
         """Process a request of fragments: send them again."""
         reader = self._readers.get(message.reader)
-        if reader is None or not reader.reliable or message.count <= reader.counted_fragments:
+        if reader is None or not reader.reliable or message.count == reader.counted_fragments:
             return
         reader.counted_fragments = message.count
         kept = self._kept_for(reader, message.sequence, stamp_ns)

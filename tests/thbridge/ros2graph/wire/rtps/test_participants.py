@@ -174,7 +174,7 @@ def test_endpoints_of_another_type_do_not_match() -> None:
     assert pair.writer.readers == [pair.reader.guid]
 
 
-def test_a_removed_endpoint_and_a_participant_that_leaves_are_forgotten_at_once() -> None:
+def test_a_removed_endpoint_and_a_participant_that_leaves_are_forgotten_soon() -> None:
     network = RtpsNetwork()
     pair = Pair(network, DEFAULT, DEFAULT)
     pair.meet()
@@ -183,7 +183,8 @@ def test_a_removed_endpoint_and_a_participant_that_leaves_are_forgotten_at_once(
     assert pair.writer.readers == list(pair.first.endpoints()) == []
     pair.first.leave()
     network.settle()
-    assert not pair.second.has_peer(pair.first.prefix)
+    network.leave(pair.first)
+    network.run(lambda: not pair.second.has_peer(pair.first.prefix), 30)
 
 
 def test_a_silent_participant_is_forgotten_after_its_lease_and_a_restarted_one_is_found() -> None:
@@ -251,6 +252,7 @@ def alone() -> RtpsParticipant:
     heartbeat = encode_heartbeat(UNKNOWN, PUBLICATIONS_WRITER, 1, 1, 1, final=True)
     data = encode_data(PUBLICATIONS_WRITER, 1, endpoint.encode(), 0)
     assert participant.receive(encode_header(STRANGER) + heartbeat + data, HOST, 0, STAMP) is None
+    participant.drain()
     assert participant.endpoint(endpoint.guid) == endpoint
     return participant
 
@@ -277,14 +279,85 @@ def test_damaged_datagrams_never_raise(data: st.DataObject) -> None:
         assert len(outgoing.datagram) < 65_000
 
 
-def test_the_number_of_participants_is_limited() -> None:
-    participant = RtpsNetwork().join(0)
-    faults = [
-        participant.receive(announced(b"peer" + at.to_bytes(8, "big")), HOST, 0, STAMP)
-        for at in range(limits.MOST_PEERS + 1)
-    ]
-    assert faults[:-1] == [None] * limits.MOST_PEERS
-    assert "more than" in (faults[-1] or "")
+def test_participants_without_endpoints_make_room_for_others() -> None:
+    participant = alone()
+    for at in range(limits.MOST_PEERS + 5):
+        assert participant.receive(announced(b"peer" + at.to_bytes(8, "big")), HOST, 0, STAMP) is None
+    assert participant.has_peer(STRANGER)
+    assert not participant.has_peer(b"peer" + bytes(8))
+    assert participant.has_peer(b"peer" + (limits.MOST_PEERS + 4).to_bytes(8, "big"))
+
+
+def test_the_number_of_participants_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(limits, "MOST_PEERS", 1)
+    assert "more than 1" in (alone().receive(announced(b"another peer"), HOST, 0, STAMP) or "")
+
+
+def test_no_participant_stays_for_ever_without_a_sign_of_life() -> None:
+    participant, address = RtpsNetwork().join(0), [UdpAddress(HOST, 9999)]
+    data = ParticipantData(STRANGER + PARTICIPANT, b"\x01\x0f", address, address, None, b"")
+    participant.receive(encode_header(STRANGER) + encode_data(SPDP_WRITER, 1, data.encode(), 0), HOST, 0, STAMP)
+    participant.tick(limits.LONGEST_LEASE_NS)
+    assert participant.has_peer(STRANGER)
+    participant.tick(limits.LONGEST_LEASE_NS + 1)
+    assert not participant.has_peer(STRANGER)
+
+
+def test_thousands_of_requests_and_heartbeats_in_a_datagram_get_one_answer() -> None:
+    participant = alone()
+    writer = participant.add_writer(*TOPIC, DEFAULT, b"", STAMP)
+    endpoint = EndpointData(STRANGER + reader_id(1), *TOPIC, DEFAULT, b"")
+    heartbeat = encode_heartbeat(UNKNOWN, SUBSCRIPTIONS_WRITER, 1, 1, 1, final=True)
+    data = encode_data(SUBSCRIPTIONS_WRITER, 1, endpoint.encode(), 0)
+    participant.receive(encode_header(STRANGER) + heartbeat + data, HOST, 0, STAMP)
+    participant.drain()
+    for _ in range(10):
+        participant.write(writer, bytes(1000), STAMP)
+    assert sum(len(each.datagram) for each in participant.drain()) > 10_000
+    requests = (encode_acknowledgment(reader_id(1), writer.id, 1, range(1, 11), at, final=False) for at in range(900))
+    beats = (encode_heartbeat(UNKNOWN, writer_id(1), 1, 1 << 40, at, final=False) for at in range(900))
+    for many in (requests, beats):
+        participant.receive(encode_header(STRANGER) + b"".join(many), HOST, 0, STAMP)
+        assert 0 < sum(len(each.datagram) for each in participant.drain()) < 12_000
+
+
+def test_a_goodbye_in_the_name_of_another_participant_has_no_effect() -> None:
+    network = RtpsNetwork()
+    pair = Pair(network, DEEP, DEEP)
+    pair.meet()
+    inline, key = disposal(pair.first.prefix + PARTICIPANT)
+    goodbye = encode_header(pair.first.prefix) + encode_data(SPDP_WRITER, 2, key, 0, inline, key=True)
+    for at in range(100):
+        pair.second.receive(goodbye, HOST, network.now_ns, STAMP)
+        pair.write(payloads(100)[at])
+        network.tick()
+    assert pair.got == payloads(100)
+
+
+@pytest.mark.parametrize("loser", ["first", "second"])
+def test_participants_find_each_other_again_if_only_one_has_lost_the_other(loser: str) -> None:
+    network = RtpsNetwork()
+    pair = Pair(network, DEEP, DEEP)
+    back: list[bytes] = []
+    writer = pair.second.add_writer("rt/back", TOPIC[1], LATCHED, b"", STAMP)
+    reader = pair.first.add_reader("rt/back", TOPIC[1], DEEP, b"", lambda sample: back.append(sample.payload), STAMP)
+    pair.meet()
+    network.run(lambda: bool(writer.readers and reader.writers))
+    pair.write(b"old.")
+    pair.second.write(writer, b"1st.", STAMP)
+    network.run(lambda: bool(pair.got and back))
+    lost, losing = (pair.second, pair.first) if loser == "first" else (pair.first, pair.second)
+    inline, key = disposal(lost.prefix + PARTICIPANT)
+    goodbye = encode_header(lost.prefix) + encode_data(SPDP_WRITER, 2, key, 0, inline, key=True)
+    losing.receive(goodbye, HOST, network.now_ns, STAMP)
+    losing.tick(network.now_ns + limits.GOODBYE_NS + 1)
+    assert not losing.has_peer(lost.prefix)
+    pair.meet()
+    network.run(lambda: bool(writer.readers and reader.writers), 200)
+    pair.write(b"new.")
+    pair.second.write(writer, b"2nd.", STAMP)
+    network.run(lambda: len(pair.got) > 1 and len(back) > 1, 200)
+    assert (pair.got, back) == ([b"old.", b"new."], [b"1st.", b"2nd."])
 
 
 def test_the_number_of_endpoints_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -295,6 +368,7 @@ def test_the_number_of_endpoints_is_limited(monkeypatch: pytest.MonkeyPatch) -> 
         heartbeat = encode_heartbeat(UNKNOWN, SUBSCRIPTIONS_WRITER, 1, at - 1, at, final=True)
         data = encode_data(SUBSCRIPTIONS_WRITER, at - 1, endpoint.encode(), 0)
         fault = participant.receive(encode_header(STRANGER) + heartbeat + data, HOST, 0, STAMP)
+        participant.drain()
     assert len(list(participant.endpoints())) == 5
     assert "more than 5" in (fault or "")
 
