@@ -1,7 +1,7 @@
 """Services that each node of a ROS 2 graph has: its parameters, their events, and the descriptions of its types.
 
 Requests that are no messages are dropped. Answers may take milliseconds, for example with 70 descriptors. So requests
-wait in a queue, and between two answers the event loop does other work.
+wait in a queue for each client, and between two answers the event loop does other work. Clients take turns.
 """
 
 import asyncio
@@ -21,8 +21,10 @@ from thbridge.ros2graph.values.graph import NodeName
 from thbridge.sockets.warn_once import WarnOnce
 
 EVENTS = "/parameter_events"
-MAX_WAITING = 200
-"""Maximum number of requests that wait for their answers. Further requests are dropped."""
+MAX_WAITING, MAX_WAITING_OF_ALL = 200, 1000
+"""Maximum number of requests of a client, and of all clients, that wait for their answers. Further ones are dropped."""
+LARGEST_REQUEST = 1 << 18
+"""Maximum number of bytes of a request."""
 
 _log = logging.getLogger(__name__)
 
@@ -66,7 +68,8 @@ class NodeServices:
         self._carrier = carrier
         self._types = types
         self._defer = defer
-        self._waiting: deque[Callable[[], None]] = deque()
+        self._waiting: dict[str, deque[Callable[[], None]]] = {}
+        self._count = 0
         self._complaints = WarnOnce(_log)
         self._supports = {service: types.service(name) for service, name in messages.SERVICE_TYPES.items()}
         self._description = types.service(SERVICE_TYPE)
@@ -106,29 +109,36 @@ class NodeServices:
     def _enqueue(
         self, service: str, answer: Callable[[bytes], bytes], request: bytes, client: bytes, reply: Reply
     ) -> None:
-        if len(self._waiting) >= MAX_WAITING:
-            self._complaints.warn(f"{service}: more than {MAX_WAITING} requests wait; further requests are dropped")
+        name = self._carrier.node_of(client)
+        queue = self._waiting.get(name, ())
+        if len(queue) >= MAX_WAITING or self._count >= MAX_WAITING_OF_ALL or len(request) > LARGEST_REQUEST:
+            self._complaints.warn(f"{service}: too many or too long requests of {name} wait; some are dropped")
             return
-        self._waiting.append(partial(self._answer, service, answer, request, client, reply))
-        if len(self._waiting) == 1:
+        self._waiting.setdefault(name, deque()).append(partial(self._answer, service, answer, request, name, reply))
+        self._count += 1
+        if self._count == 1:
             self._defer(self._answer_next)
 
     def _answer_next(self) -> None:
+        """Answer the oldest request of the client whose turn it is. Then it is the next client's turn."""
+        client = next(iter(self._waiting))
+        queue = self._waiting.pop(client)
         try:
-            self._waiting[0]()
+            queue.popleft()()
         finally:
-            self._waiting.popleft()
-            if self._waiting:
+            if queue:
+                self._waiting[client] = queue
+            self._count -= 1
+            if self._count:
                 self._defer(self._answer_next)
 
     def _answer(
-        self, service: str, answer: Callable[[bytes], bytes], request: bytes, client: bytes, reply: Reply
+        self, service: str, answer: Callable[[bytes], bytes], request: bytes, client: str, reply: Reply
     ) -> None:
         try:
             response = answer(request)
         except ValueError as error:
-            name = self._carrier.node_of(client)
-            self._complaints.warn(f"{service}: ignoring a request of {name}: {error}")
+            self._complaints.warn(f"{service}: ignoring a request of {client}: {error}")
         else:
             reply(response)
 

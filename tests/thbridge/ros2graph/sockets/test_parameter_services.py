@@ -224,8 +224,24 @@ def test_a_flood_waits_in_a_short_queue(offered: Offered, caplog: pytest.LogCapt
     # The client's requests arrive before the first answer is due.
     assert len(responses) == MAX_WAITING
     assert [record.getMessage() for record in caplog.records if record.levelname == "WARNING"] == [
-        f"/robot1/amcl/list_parameters: more than {MAX_WAITING} requests wait; further requests are dropped"
+        "/robot1/amcl/list_parameters: too many or too long requests of /client wait; some are dropped"
     ]
     client.call(request, responses.append)
     offered.graph.deliver()
     assert len(responses) == MAX_WAITING + 1
+
+
+def test_clients_take_turns(offered: Offered) -> None:
+    order: list[str] = []
+    type_ = messages.SERVICE_TYPES[messages.LIST]
+    request = TYPES.encode(f"{type_}_Request", TYPES.make(f"{type_}_Request"))
+    flooder, other = (
+        offered.other.client(node, "/robot1/amcl/list_parameters", TYPES.service(type_))
+        for node in (CLIENT, NodeName("/", "other"))
+    )
+    for _ in range(MAX_WAITING + 50):
+        flooder.call(request, lambda response: order.append("flooder"))
+    other.call(request, lambda response: order.append("other"))
+    offered.graph.deliver()
+    assert order.index("other") <= 2
+    assert len(order) == MAX_WAITING + 1

@@ -68,6 +68,7 @@ class DdsGraph:
         self._servers: list[DdsServer] = []
         self._is_stale = True
         self._has_changed = False
+        self._informed: tuple[int, set[Guid]] = (0, set())
         participant.on_change = self._on_change
         user_data = ros_names.hash_data(ros_names.DISCOVERY_HASH)
         topic = (ros_names.DISCOVERY_TOPIC, ros_names.DISCOVERY_TYPE)
@@ -141,6 +142,11 @@ class DdsGraph:
     def tick(self, now_ns: int) -> None:
         """Repeat what was not acknowledged, and announce changes of our nodes."""
         self.participant.tick(now_ns)
+        # Fast DDS forgets the nodes of a participant that it lost for some time, and does not read an old list again.
+        informed = self._info.returned, set(self._info.readers)
+        if informed[0] > self._informed[0] or informed[1] - self._informed[1]:
+            self._is_stale = True
+        self._informed = informed
         self.flush()
 
     def flush(self) -> None:

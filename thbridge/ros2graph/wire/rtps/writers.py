@@ -52,7 +52,7 @@ class _MatchedReader:
         reliable: whether it acknowledges samples.
         start: number of the first sample that it gets.
         acknowledged: number up to which it has all samples.
-        counted: count of its last acknowledgment. A reader that has lost us, and knows us again, counts from the start.
+        counted: count of its last acknowledgment.
         counted_fragments: count of its last request of fragments.
         pause_ns: pause until the next heartbeat.
         due_ns: time of the next heartbeat; None until the next tick decides.
@@ -72,6 +72,10 @@ class _MatchedReader:
 class RtpsWriter:
     """Writer of one topic.
 
+    Attributes:
+        dropped: number of samples that reliable readers had not acknowledged when their place was needed.
+        returned: number of times that a reader has lost us, and has found us again.
+
     Args:
         guid: its GUID.
         qos: its quality of service.
@@ -87,6 +91,7 @@ class RtpsWriter:
         self.id = guid[-4:]
         self.qos = qos
         self.dropped = 0
+        self.returned = 0
         self._depth = _UNBOUNDED if keep_all else qos.depth
         self._outbox = outbox
         self._fragment_size = fragment_size
@@ -177,8 +182,10 @@ class RtpsWriter:
     def on_acknowledgment(self, message: Acknowledgment, stamp_ns: int) -> None:
         """Process an acknowledgment: send the requested samples, or gaps in their place."""
         reader = self._readers.get(message.reader)
-        if reader is None or not reader.reliable or message.count == reader.counted or message.base > self._last + 1:
+        if reader is None or not reader.reliable or message.base > self._last + 1:
             return
+        # Counts are not compared for equality: a reader that has lost us, and finds us again, counts from the start.
+        self.returned += message.count < reader.counted
         reader.counted = message.count
         acknowledged = max(message.base, reader.start) - 1
         if acknowledged > reader.acknowledged:
