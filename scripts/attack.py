@@ -951,15 +951,17 @@ def main() -> int:
         text = output.read_text() + (folder / "serve.txt").read_text()
         parts = len(list(folder.glob("hunt_*.bag")))
         recorded = parts > 1 and not list(folder.glob("*.active"))
+        replayed = recorded and asyncio.run(ended("replay", folder / "hunt.bag")) == 0
     traceback = "Traceback" in text
     whole = f"complete, in {parts} parts" if recorded else "NOT complete"
+    whole += ", and its replay is the same" if replayed else ", and its replay FAILED"
     print(f"The recording is {whole}. The session printed {'a TRACEBACK' if traceback else 'no traceback'}.")
     if traceback:
         print(text[text.index("Traceback") - 500 :][:3000])
     if not all(each.running for each in held):
         print("\n".join(line for line in text.splitlines()[-40:] if "Dropping client" not in line))
     print(json.dumps({"attacks": len(held), "held": sum(each.well for each in held)}))
-    return 0 if all(each.well for each in held) and recorded and not traceback else 1
+    return 0 if all(each.well for each in held) and replayed and not traceback else 1
 
 
 if __name__ == "__main__":
