@@ -10,6 +10,7 @@ from tests.support.project import ROOT
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1600)
 def test_a_session_bears_each_attack() -> None:
     command = [sys.executable, "scripts/attack.py", "--scale", "3"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=1500, check=False)
