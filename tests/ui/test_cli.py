@@ -127,7 +127,7 @@ def test_a_server_that_cannot_keep_a_journal_does_not_start(place: str) -> None:
 @pytest.mark.parametrize(
     "address", ["", "localhost", "localhost:", ":6009", "localhost:0", "localhost:65536", "localhost:six"]
 )
-@pytest.mark.parametrize("program", ["simr", "hider", "tabui"])
+@pytest.mark.parametrize("program", ["simr", "hider", "tabui", "serve"])
 def test_an_address_is_host_and_port(program: str, address: str) -> None:
     assert refusal(program, "--server", address) == (
         f"--server: {address!r} is not an address. Write HOST:PORT, such as 127.0.0.1:6009.\n"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ui.command_line.options import ColourScheme, LookOption, OpenTo, Scheduler
+from ui.command_line.options import ColourScheme, LookOption, OpenTo, Scheduler, SeatName
 from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note
 
 if TYPE_CHECKING:
@@ -21,10 +21,13 @@ if TYPE_CHECKING:
     from ui.hosting.window_process import WindowProcess
     from ui.model.kiosk import FromKiosk, ToKiosk
     from ui.web.gateway.serving import ServerOptions
+    from ui.web.pool.joined_game import JoinedGame
     from ui.web.pool.pool import RemoteHosts
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
+REACH_TIMEOUT = 5.0
+"""Seconds for the server of a game elsewhere to accept a connection."""
 GAMES_PER_CORE = 6
 """Games of three robots with which 95 % of all acts have their effect on the page within 0.1 s; see
 `scripts/measure_browser_games.py`."""
@@ -57,6 +60,19 @@ def serve(
         ),
     ] = None,
     scheduler: Scheduler = None,
+    server: Annotated[
+        str | None,
+        typer.Option(
+            help="Let one visitor after another join a game whose text server runs elsewhere, instead of starting "
+            "games; see `thbridge tabui`. The session of the game writes the recording.",
+            metavar="HOST:PORT",
+        ),
+    ] = None,
+    key: Annotated[
+        Path | None,
+        typer.Option(help="With --server: file with the key that the server requires.", metavar="FILE"),
+    ] = None,
+    seat: SeatName = None,
     bags: Annotated[Path, typer.Option(help="Folder for recordings of games without a study folder.")] = Path("served"),
     tls_cert: Annotated[Path | None, typer.Option(help="Certificate of the server, a PEM file, for HTTPS.")] = None,
     tls_key: Annotated[Path | None, typer.Option(help="Private key of the certificate, a PEM file.")] = None,
@@ -91,6 +107,7 @@ def serve(
     except ModuleNotFoundError as missing:
         fail(BAD_INPUT, f"The package {missing.name} is not installed. Install it: pip install 'thbridge[web]'")
     from thbridge.files.disk.synced import make_folder
+    from thbridge.roles.shared.seat_programs import program_of
     from thbridge.sockets.addresses import Address
     from thbridge.sockets.admission import Admission
     from thbridge.sockets.keys import SingleKey
@@ -110,6 +127,8 @@ def serve(
 
     is_study = served is not None and served.is_dir()
     recorded = bags if served is None or not is_study else served
+    if server is not None:
+        recorded = bags / f"{program_of(seat or '')} at {server}"  # No folder: it names the visitors of this server.
     with bad_input():
         running = RunningGames.of(recorded)
     if drain:
@@ -121,7 +140,14 @@ def serve(
                 "have, run both commands with the same TMPDIR.",
             )
         return
-    games = GAMES_PER_CORE * usable_cores() if games is None else games
+    if server is None and (key is not None or seat is not None):
+        fail(BAD_INPUT, "--key and --seat belong to --server, the address of a game elsewhere. Add it, or omit them.")
+    if server is not None and is_study:
+        fail(BAD_INPUT, "--server: games of a study with people run on this server. Name the study file of the game.")
+    if server is not None and (games is not None or scheduler is not None):
+        fail(BAD_INPUT, "--server: one person at a time joins the game. Omit --games and --scheduler.")
+    if games is None:
+        games = GAMES_PER_CORE * usable_cores() if server is None else 1
     if games == 0 and scheduler is None:
         fail(BAD_INPUT, "--games 0: games need a machine. Write at least 1, or add --scheduler.")
     if scheduler is not None:
@@ -184,7 +210,8 @@ def serve(
 
     def begin() -> None:
         """Continue in a process that is started again if it dies; end the first one if the cluster cannot be used."""
-        compile_ahead(whole_hunt=True)
+        if server is None:
+            compile_ahead(whole_hunt=True)
         if keep_running() and scheduler is not None:
             _check_cluster(scheduler, recorded)
 
@@ -202,6 +229,7 @@ def serve(
         study = study_of(served, {})
         check_simulated(study, "serve")
         note_doubts(setting_of(study, served))
+        joined = None if server is None else _joined(study, served, server, key, seat)
         chosen = options(study, served)
         if scheduler is not None:
             with bad_input():
@@ -212,7 +240,7 @@ def serve(
             make_folder(bags)
             return bags / f"{secrets.token_hex(6)}.bag"
 
-        run(serve_games(study, served, new_bag, note, chosen))
+        run(serve_games(study, served, new_bag, note, chosen, joined))
 
 
 def _serve_folder(
@@ -259,6 +287,27 @@ def _serve_folder(
         if window is not None and window.left_open:
             note(STAYS_OPEN)
             os._exit(code)  # The usual end of the interpreter would also end the window.
+
+
+def _joined(study: "Study", file: Path | None, server: str, key: Path | None, seat: str | None) -> "JoinedGame":
+    """Return the game of a text server; end the program if the server cannot be reached."""
+    from thbridge.sockets.addresses import Address, ListeningAddress
+    from thbridge.sockets.errors import CannotReach
+    from ui.command_line.keys import key_of
+    from ui.command_line.seats import client_seat
+    from ui.commands.programs.client import address_of
+    from ui.web.pool.joined_game import JoinedGame
+
+    host, port = address_of(server, study.server)
+    own_seat = client_seat(study, file, seat)
+    shown = None if key is None else key_of(key)
+    try:
+        socket.create_connection((host, port), REACH_TIMEOUT).close()
+    except (OSError, UnicodeError) as error:
+        cause = error if isinstance(error, OSError) else OSError(0, "this is not the name of a host")
+        remedy = "Start `thbridge server` or `thbridge play --outside TabUI` there first, or correct the address"
+        fail(BAD_INPUT, f"--server: {CannotReach.because(cause, 'game', Address(host, port), remedy)}")
+    return JoinedGame.at(study, file, ListeningAddress(host, port), shown, own_seat)
 
 
 def _remote_hosts(

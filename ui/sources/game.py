@@ -9,12 +9,13 @@ from typing import TypeAlias
 
 from sim.common.observations import TICK
 from thbridge.app.programs import exchange
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.keys.key_file import ClientKey
 from thbridge.hunt.seats import PlayedBy
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.shared.seat_programs import program_of, researchers_program
 from thbridge.roles.shared.view import GiveConsent, ParticipantRequest, View
-from thbridge.sockets.reconnecting import Backoff, ConnectionLost
+from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
 from thbridge.text_protocol.sockets.client import TextClient
 from thbridge.text_protocol.wire.lines import TextMessage
 
@@ -156,3 +157,18 @@ class _ClockedRole:
         """Return the role's replies to all messages up to this tick."""
         messages, self._messages = self._messages, []
         return self._role.step(int((time.monotonic() - self._begin) / TICK), messages)
+
+
+def why_lost(texts: Texts, lost: ConnectionLost) -> str:
+    """Return a sentence for the participant about a lost connection; empty if the reason is unknown."""
+    match lost.reason:
+        case LossReason.REFUSED if lost.detail:
+            return texts.text("window.server_says", words=lost.detail)
+        case LossReason.REFUSED:
+            return texts.text("window.played_by_another")
+        case LossReason.STOPPED:
+            return texts.text("window.server_stopped")
+        case LossReason.UNTRUSTED:
+            return texts.text("window.other_server")
+        case LossReason.UNREACHABLE | LossReason.BROKEN:
+            return ""

@@ -20,7 +20,7 @@ from ui.model.playing.memory.history import KeptLines
 from ui.model.playing.participant import ComposedScreen, Participant
 from ui.model.playing.practice import advice
 from ui.model.playing.screen import Act, DeclineConsentAct, GoOnFromGame, PeopleAct, Phase, ShowSettings
-from ui.sources.game import ReceivedEvent, ServerReached
+from ui.sources.game import ReceivedEvent, ServerReached, why_lost
 from ui.web.page.floor import floor_shapes
 from ui.web.page.game_page import BrowserPage, BrowserPageMaker
 from ui.web.page.messages import ActDone, FromGamePage, KeyPressed, PagePainted, decode_act
@@ -203,8 +203,8 @@ class GameSeat:
                     pass
                 case ServerReached():
                     self._model.connected(received.time)
-                case ConnectionLost():
-                    self._model.lost("", received.time)
+                case ConnectionLost() as lost:
+                    self._model.lost(why_lost(self._model.texts, lost), received.time)
                 case notice:
                     self._model.receive(notice, received.time)
         self._connection.requested = self._model.requests()

@@ -46,7 +46,7 @@ from ui.model.playing.participant import Participant
 from ui.model.playing.practice import advice
 from ui.model.playing.screen import CloseWindow, Phase, SwitchSound
 from ui.model.shared.theme import Palette
-from ui.sources.game import ServerReached
+from ui.sources.game import ServerReached, why_lost
 from ui.windows import look, pointer
 from ui.windows.application import application
 from ui.windows.host_pipe import HostPipe
@@ -476,21 +476,6 @@ class ParticipantMainWindow(QMainWindow):
             self.game.pump()
             if self.game.leaving:
                 self.leave()
-
-
-def why_lost(texts: Texts, lost: ConnectionLost) -> str:
-    """Return a sentence for the participant about a lost connection; empty if the reason is unknown."""
-    match lost.reason:
-        case LossReason.REFUSED if lost.detail:
-            return texts.text("window.server_says", words=lost.detail)
-        case LossReason.REFUSED:
-            return texts.text("window.played_by_another")
-        case LossReason.STOPPED:
-            return texts.text("window.server_stopped")
-        case LossReason.UNTRUSTED:
-            return texts.text("window.other_server")
-        case LossReason.UNREACHABLE | LossReason.BROKEN:
-            return ""
 
 
 def play_at(

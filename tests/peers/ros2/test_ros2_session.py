@@ -1,10 +1,12 @@
 """A session on a ROS 2 graph beside real nodes of rclpy."""
 
+import asyncio
 import json
 import os
 from collections import defaultdict
 from itertools import pairwise
 from pathlib import Path
+from subprocess import CompletedProcess
 
 import pytest
 
@@ -12,10 +14,12 @@ from sim.common.observations import TICK
 from sim.world.sensors import mount_of
 from tests.peers.mavlink_hunter import Hunter
 from tests.peers.ros_programs import NEEDS_ROS, Ros
+from tests.support.programs.browser_client import BrowserClient
 from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_domain, free_port, free_udp_port
 from tests.support.programs.processes import Program, until
 from tests.support.project import ROOT
+from tests.support.studies.served_program import kill_workers, playing, port_for_browsers
 from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.setting import read_setting
 from thbridge.recording.bag.reading.reader import recorded
@@ -27,6 +31,7 @@ from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.topics import SessionTopics
 from thbridge.study.built_in import STANDARD
 from thbridge.study.study_file import load_study
+from ui.web.pool.running_games import RunningGames
 
 ROS2 = ROOT / ".peers" / "ros2"
 PYTHON = ROS2 / "bin" / "python"
@@ -139,34 +144,66 @@ def kilted_study(folder: Path) -> str:
     return "study.yaml"
 
 
+async def command_beside_a_browser(port: int) -> CompletedProcess[str]:
+    """Run the client of rclpy while a person is at a page; they have chosen a room, and refused it in a dialogue."""
+    browser = await BrowserClient.arrived(port)
+    await browser.press_button()
+    await playing(browser)
+    await browser.until(lambda: browser.tree["tiles"][0]["choose"]["enabled"])
+    await asyncio.sleep(0.4)  # The page ignores earlier acts.
+    await browser.act(browser.tree["tiles"][0]["choose"]["act"])
+    await browser.until(lambda: browser.tree["dialogue"] and len(browser.tree["dialogue"]["choices"]) > 1, 120)
+    await asyncio.sleep(0.4)
+    choice = browser.tree["dialogue"]["choices"][-1]
+    await browser.act(choice["act"])
+    await browser.until(lambda: choice["label"] in {each["text"] for each in browser.tree["history"]})
+    client = FOLDER / "session_client.py"
+    done = await asyncio.to_thread(run_peer, [PYTHON, client], env=environment(), timeout=240.0)
+    assert browser.is_connected
+    await browser.close()
+    return done
+
+
 @pytest.mark.slow
 @NEEDS_ROS
-def test_a_replay_repeats_a_session_with_all_kinds_of_clients_at_once(tmp_path: Path) -> None:
+def test_a_replay_repeats_a_session_with_all_kinds_of_clients_at_once(
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    running = tmp_path_factory.mktemp("t")
     (tmp_path / "study.yaml").write_text("robots: 3\nros2: {distribution: kilted}\nmavlink: {lost_after: 60}\n")
     setting = read_setting(load_study(tmp_path / "study.yaml").value, tmp_path)
     goals = {number: (room.goal.x, room.goal.y) for number, room in enumerate(setting.map.rooms, 1)}
     station_port, watch_port, master_port = free_udp_port(), free_port(), free_port()
+    address = f"127.0.0.1:{free_port()}"
     session = Program(
-        tmp_path, "play", "study.yaml", "--headless", "--outside", "TabUI", "--port", "0", "--bag", "run.bag",
-        "--no-report", "--rate", "1", "--ros", "--ros-master", f"http://127.0.0.1:{master_port}", "--ros2",
-        "--ros2-domain", DOMAIN, "--mavlink", "--udp", f"127.0.0.1:{station_port}", "--watch", str(watch_port),
-        "--foxglove", "0",
+        tmp_path, "play", "study.yaml", "--headless", "--outside", "TabUI", "--port", address.partition(":")[2],
+        "--bag", "run.bag", "--no-report", "--rate", "1", "--ros", "--ros-master",
+        f"http://127.0.0.1:{master_port}", "--ros2", "--ros2-domain", DOMAIN, "--mavlink", "--udp",
+        f"127.0.0.1:{station_port}", "--watch", str(watch_port), "--foxglove", "0",
     )  # fmt: skip
     programs = [session]
     try:
-        until("the session to join", lambda: "ROS 2:" in session.text and "Foxglove" in session.text, programs)
+        beginnings = ("ROS 2:", "Foxglove", f"join at {address}")
+        until("the session to join", lambda: all(each in session.text for each in beginnings), programs)
         windows = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
         programs.append(Program(tmp_path, "watch", f"127.0.0.1:{watch_port}", environment=windows))
+        served = {**os.environ, "TMPDIR": str(running)}
+        programs.append(
+            Program(tmp_path, "serve", "study.yaml", "--server", address, "--port", "0", environment=served)
+        )
+        page = port_for_browsers(programs[-1])
         ros = Ros(master_port, tmp_path)
         with Hunter(station_port, goals, build_briefing(setting).names) as station:
             station.lead(3, (5, 2))
             command = ("/robot3/cmd_vel", "geometry_msgs/Twist", "{angular: {z: 0.4}}")
             with ros.running("rostopic", "pub", "-r", "5", *command):
-                done = run_peer([PYTHON, FOLDER / "session_client.py"], env=environment(), timeout=240.0)
+                done = asyncio.run(command_beside_a_browser(page))
         session.stop()
     finally:
         for program in programs:
             program.close()
+        for games in running.glob("thbridge-serve-*/*"):
+            kill_workers(RunningGames(games))
     assert done.returncode == 0, done.stderr + session.text
     inputs = [
         unpack.outside_input(bytes(data))
@@ -176,6 +213,7 @@ def test_a_replay_repeats_a_session_with_all_kinds_of_clients_at_once(tmp_path: 
     senders = {record.sender for record in inputs}
     assert "/session_client" in senders
     assert any(sender.startswith("/rostopic") for sender in senders)
+    assert "TabUI" in senders
     assert "framed" in {record.kind for record in inputs}
     replayed = Program(tmp_path, "replay", "run.bag")
     assert replayed.process.wait(120) == 0, replayed.text

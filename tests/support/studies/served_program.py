@@ -56,12 +56,7 @@ class ServedProgram:
     @property
     def port(self) -> int:
         """Port of the server, once it is ready."""
-        until(
-            "the server", lambda: self._address() is not None or self.program.process.poll() is not None, [self.program]
-        )
-        found = self._address()
-        assert found is not None, self.program.text
-        return int(found[1])
+        return port_for_browsers(self.program)
 
     @property
     def child(self) -> int:
@@ -73,8 +68,7 @@ class ServedProgram:
     @property
     def workers(self) -> dict[str, int]:
         """Numbers of the processes of all running games."""
-        found = {key: self.running.address(key) for key in self.running}
-        return {key: address.process for key, address in found.items() if address is not None}
+        return workers_of(self.running)
 
     def again(self) -> None:
         """Start the server again."""
@@ -85,13 +79,33 @@ class ServedProgram:
 
     def __exit__(self, *_: object) -> None:
         self.program.close()
-        for process in self.workers.values():
-            with suppress(ProcessLookupError):
-                os.kill(process, signal.SIGKILL)
+        kill_workers(self.running)
         shutil.rmtree(self.running.folder)
 
-    def _address(self) -> re.Match[str] | None:
-        return re.search(r"Open http://127\.0\.0\.1:(\d+)/", self.program.text)
+
+def workers_of(running: RunningGames) -> dict[str, int]:
+    """Return the numbers of the processes of all running games."""
+    found = {key: running.address(key) for key in running}
+    return {key: address.process for key, address in found.items() if address is not None}
+
+
+def kill_workers(running: RunningGames) -> None:
+    """Kill the processes of all running games."""
+    for process in workers_of(running).values():
+        with suppress(ProcessLookupError):
+            os.kill(process, signal.SIGKILL)
+
+
+def port_for_browsers(program: Program) -> int:
+    """Return the port of `thbridge serve`, once it is ready."""
+
+    def address() -> re.Match[str] | None:
+        return re.search(r"Open http://127\.0\.0\.1:(\d+)/", program.text)
+
+    until("the server", lambda: address() is not None or program.process.poll() is not None, [program])
+    found = address()
+    assert found is not None, program.text
+    return int(found[1])
 
 
 async def begun(browser: BrowserClient) -> None:

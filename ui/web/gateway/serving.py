@@ -37,6 +37,7 @@ from ui.web.gateway.people import Visitors
 from ui.web.gateway.presence import PresenceWatch
 from ui.web.gateway.single import SingleGames
 from ui.web.gateway.study_visits import StudyVisits, VisitClock
+from ui.web.pool.joined_game import JoinedGame
 from ui.web.pool.pool import RemoteHosts, WorkerPool
 from ui.web.pool.running_games import RunningGames
 
@@ -148,6 +149,7 @@ async def serve_games(
     new_bag: Callable[[], Path],
     report: Callable[[str], None],
     options: ServerOptions,
+    joined: JoinedGame | None = None,
 ) -> None:
     """Serve one game to each visitor until stopped.
 
@@ -157,10 +159,11 @@ async def serve_games(
         new_bag: function that returns the path of a new recording.
         report: function that receives sentences about problems.
         options: options of the gateway.
+        joined: game elsewhere, which one visitor after another joins. If None, each visitor has a new game.
     """
     async with _pool(options, report) as pool:
         queue = GameQueue(pool)
-        single = SingleGames(study, file, pool, queue, new_bag, math.inf)
+        single = SingleGames(study, file, pool, queue, new_bag, math.inf, joined)
         drain = DrainPort(pool.games, queue)
         visitors = Visitors(single.visit, single.window, open_to_all, single.greet)
         await serve_visitors(visitors, single.texts, options, drain)

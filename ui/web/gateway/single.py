@@ -37,7 +37,8 @@ from ui.web.gateway.lobby import ServedLobby, WaitEnd, await_place
 from ui.web.gateway.matching import MatchByArrival, MatchedGame
 from ui.web.gateway.people import Visitor
 from ui.web.gateway.waiting import pause, show_turn
-from ui.web.pool.messages import FromWorker, GamePassed, SeatWentOn
+from ui.web.pool.joined_game import JoinedGame
+from ui.web.pool.messages import FromWorker, GamePassed, SeatDeclined, SeatWentOn
 from ui.web.pool.pool import DeathCount, HostedGame, WorkerDied, WorkerPool
 from ui.web.pool.running_games import GroupRecord
 from ui.web.pool.single_game import SingleGame
@@ -91,6 +92,7 @@ class SingleGames:
         queue: queue of people who wait for a game.
         new_bag: function that returns the path of a new recording.
         max_seconds: simulated seconds after which a game is stopped.
+        joined: game elsewhere, which one visitor after another joins. If None, each visitor has a new game.
 
     Attributes:
         texts: texts of the study's language.
@@ -104,6 +106,7 @@ class SingleGames:
         queue: GameQueue,
         new_bag: Callable[[], Path],
         max_seconds: float,
+        joined: JoinedGame | None = None,
     ) -> None:
         self._study, self._file = study, file
         self._setting = setting_of(study, file)
@@ -112,10 +115,12 @@ class SingleGames:
         self._queue = queue
         self._new_bag = new_bag
         self._max_seconds = max_seconds
+        self._joined = joined
         self._games: dict[str, ServedGame] = {}
         # Times of consent of the people in the lobby.
         self._agreed: dict[str, str] = {}
-        self._seats = {seat.name: seat for seat in seats_of(study.seats)}
+        # Visitors wait for each other only if all seats are theirs.
+        self._seats = {} if joined is not None else {seat.name: seat for seat in seats_of(study.seats)}
         matching = MatchByArrival(tuple(self._seats), lambda: f"{SHARED_GAME}{secrets.token_hex(_DIGEST // 2)}")
         self._lobby = ServedLobby(matching, self._begin_game, lambda: queue.spare)
         for key, group in pool.games.groups():
@@ -145,12 +150,12 @@ class SingleGames:
                 return
             page += 1
         if not self._seats:
-            self._add(person, self._request(self._new_bag(), {"": agreed_at}), {"": person})
+            request = self._joined or self._request(self._new_bag(), {"": agreed_at})
+            self._add(person, request, dict.fromkeys(request.consents, person))
         await self._play(window, self._games[person], person, page)
 
     async def _prepare(self, window: BrowserWindow) -> tuple[int, str] | None:
         """Show rules and consent; return the number of the next page and the time of consent, or None if declined."""
-        texts = self.texts
         page, agreed_at = 1, ""
         if (consent := self._consent()) is not None:
             await window.send(consent)
@@ -158,7 +163,7 @@ class SingleGames:
             while not isinstance(reply, ConsentReply):
                 reply = await _about(window, page)
             if not reply.agrees:
-                await window.send(TextToRead(0, texts.text("pages.thanks"), texts.text("pages.not_taking_part"), ""))
+                await window.send(self._not_taking_part())
                 return None
             agreed_at = utc_now()
             page += 1
@@ -168,15 +173,21 @@ class SingleGames:
         return page + 1, agreed_at
 
     def _consent(self) -> ConsentToAsk | None:
-        """Return the page that asks for consent; None if the study asks for none."""
+        """Return the page that asks for consent; None if the study asks for none, or the server of the game asks."""
+        if self._joined is not None:
+            return None
         text = offer_of(self._setting, given=True).consent
         return ConsentToAsk(1, text) if text else None
 
     def _rules(self, page: int) -> TextToRead:
         """Return the page with the rules of the game."""
-        texts, offer = self.texts, offer_of(self._setting, given=True)
+        texts, seat = self.texts, "" if self._joined is None else self._joined.seat
+        offer = offer_of(self._setting, given=True, seat=seat)
         rules = "\n\n".join((texts.text("start.introduction"), *offer.rules))
         return TextToRead(page, texts.text("window.title"), rules, texts.text("start.begin", count=offer.usual))
+
+    def _not_taking_part(self) -> TextToRead:
+        return TextToRead(0, self.texts.text("pages.thanks"), self.texts.text("pages.not_taking_part"), "")
 
     def _has_begun(self, person: str) -> bool:
         if self._seats:
@@ -210,11 +221,12 @@ class SingleGames:
     async def _await_turn(self, window: BrowserWindow, key: str, page: int) -> None:
         """Let the visitor wait until their game can start."""
         texts, queue, waiting = self.texts, self._queue, True
+        awaited = headed(texts, "waiting_for_game" if self._joined is None else "game_taken", "web")
         while waiting:
             queue.enter(key)
             try:
                 waiting = not await show_turn(
-                    TurnToAwait(page, *headed(texts, "waiting_for_game", "web")),
+                    TurnToAwait(page, *awaited),
                     window,
                     lambda: _about(window, page),
                     lambda: queue.is_closed or queue.admits(key),
@@ -264,17 +276,19 @@ class SingleGames:
     async def _play(self, window: BrowserWindow, game: ServedGame, person: str, page: int) -> None:
         texts, key, seat = self.texts, game.key, game.people[person]
         prepared = texts.text("pages.preparing", count=self._study.robots)
-        if seat:
+        if self._seats:
             own = self._seats[seat]
             prepared = f"{texts.text('web.others_found', seat=own.label)} {seat_sentences(texts, own)}"
         await window.send(GamePrepared(page, prepared))
         game.windows[person] = window
-        went_on, deaths = asyncio.Event(), DeathCount()
+        went_on, declined, deaths = asyncio.Event(), asyncio.Event(), DeathCount()
 
         def news(message: FromWorker) -> None:
             match message:
                 case SeatWentOn():
                     went_on.set()
+                case SeatDeclined():
+                    declined.set()
                 case GamePassed(seconds):
                     deaths.reached = seconds
                 case _:
@@ -292,6 +306,9 @@ class SingleGames:
             await window.send(TextToRead(0, stopped, texts.text("kiosk.cannot_go_on"), ""))
             return
         self._finish(game, person)
+        if declined.is_set():
+            await window.send(self._not_taking_part())
+            return
         ended = texts.text("kiosk.game_ended")
         if not went_on.is_set():
             await window.send(GameRecorded(page + 2, ended, texts.text("kiosk.go_on_when_ready")))

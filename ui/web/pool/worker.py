@@ -23,6 +23,7 @@ from thbridge.app.listeners import StartServer, WatchAddress
 from thbridge.app.play import Checkpoints
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.errors import BadFile
+from thbridge.files.keys.key_file import ClientKey
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.view import GiveConsent
 from thbridge.sockets.addresses import LOCALHOST, ListeningAddress
@@ -91,8 +92,8 @@ class PeopleInGame(Protocol):
     def watch(self) -> WatchAddress:
         """Address for researchers' windows, whose server starts when the gateway wants it."""
 
-    def ready(self, where: ListeningAddress) -> None:
-        """Seat all people at the game with this address."""
+    def ready(self, where: ListeningAddress, key: ClientKey | None = None) -> None:
+        """Seat all people at the game with this address, whose server may require a key."""
 
     def have_left(self) -> bool:
         """Return True if all people have left the game, so that at most programs play."""
@@ -214,11 +215,11 @@ class WorkerSeat:
         self._reported: set[type[FromWorker]] = set()
         self._window_seen_over = False
 
-    def join(self, request: GameRequest, where: ListeningAddress, token: str) -> None:
-        """Let the person or the program join the game with this address."""
-        self._running = asyncio.create_task(self._hold(request, where, token))
+    def join(self, request: GameRequest, where: ListeningAddress, token: str, key: ClientKey | None = None) -> None:
+        """Let the person or the program join the game with this address, whose server may require a key."""
+        self._running = asyncio.create_task(self._hold(request, where, token, key))
 
-    async def _hold(self, request: GameRequest, where: ListeningAddress, token: str) -> None:
+    async def _hold(self, request: GameRequest, where: ListeningAddress, token: str, key: ClientKey | None) -> None:
         """Let the person or a program play in turn, until `leave` is called; each joins after the other has left.
 
         A window joins and leaves by itself.
@@ -236,7 +237,7 @@ class WorkerSeat:
             consent = GiveConsent(agreed_at) if agreed_at else None
             seat = self._seat = GameSeat(
                 lambda report, consent=consent: GameConnection(  # type: ignore[misc]
-                    host, where.port, token, report, consent, seat=self._name
+                    host, where.port, token, report, consent, key, self._name
                 ),
                 request.texts(),
                 practice=request.practice,
@@ -494,10 +495,10 @@ class Worker:
             self._places.add(where.port)
             self.note(GameWatched(where.port))
 
-    def ready(self, where: ListeningAddress) -> None:
+    def ready(self, where: ListeningAddress, key: ClientKey | None = None) -> None:
         """See `PeopleInGame`."""
         for seat in self._seats.values():
-            seat.join(self._request, where, self._address.token)
+            seat.join(self._request, where, self._address.token, key)
         self.note(GameReady(WILDCARD_ADDRESSES.get(where.host, where.host), where.port))
 
     def have_left(self) -> bool:
