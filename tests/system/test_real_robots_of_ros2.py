@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.programs.ports import free_domain
+from tests.support.programs.ports import free_domain, free_port
 from tests.support.programs.processes import Program, journal, kinds, port_of, until
 from thbridge.recording.bag.reading import reader as bag_reader
 from thbridge.ros import names
@@ -14,14 +14,19 @@ from thbridge.ros.messages import types, unpack
 pytestmark = pytest.mark.slow
 
 
-def test_a_whole_hunt_with_nav2_robots_of_another_process(tmp_path: Path) -> None:
+@pytest.mark.parametrize("carrier", ["dds", "zenoh"])
+def test_a_whole_hunt_with_nav2_robots_of_another_process(carrier: str, tmp_path: Path) -> None:
     bag, domain = tmp_path / "real.bag", free_domain()
-    section = f"{{domain: {domain}, use_sim_time: true}}"
-    (tmp_path / "study.yaml").write_text(f"robots_from: ros2\nrobots: 2\nros2: {section}\n")
-    field = Program(tmp_path, "simr", "--ros2", "--ros2-domain", str(domain), "--rate", "3", "--server", "127.0.0.1:9")
-    server = Program(tmp_path, "server", "--port", "0")
-    programs = [field, server]
+    section = f"domain: {domain}, use_sim_time: true"
+    programs: list[Program] = []
     try:
+        if carrier == "zenoh":
+            programs.append(Program(tmp_path, "ros2", "router", "--listen", f"127.0.0.1:{free_port()}"))
+            section += f", carrier: zenoh, router: '127.0.0.1:{port_of(programs[0], programs)}'"
+        (tmp_path / "study.yaml").write_text(f"robots_from: ros2\nrobots: 2\nros2: {{{section}}}\n")
+        simulated = ("--robots-from", "sim", "--ros2", "--rate", "3", "--server", "127.0.0.1:9")
+        field, server = Program(tmp_path, "simr", "study.yaml", *simulated), Program(tmp_path, "server", "--port", "0")
+        programs += [field, server]
         at = f"127.0.0.1:{port_of(server, programs)}"
         until("the robots to be on the graph", lambda: f"ROS 2: Jazzy in domain {domain}" in field.text, programs)
         simr = Program(tmp_path, "simr", "--study", "study.yaml", "--server", at, "--bag", str(bag))
