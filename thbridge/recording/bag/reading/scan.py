@@ -25,6 +25,8 @@ _LZ4_FLAGS = 4
 """Offset of the byte FLG in an LZ4 frame, after the magic number."""
 _MESSAGE_HEADER = 38
 """Length of the usual header of a message record: the fields op, conn and time, each preceded by its length."""
+_INDEX_HEADER = 51
+"""Length of the header of an index data record, with the length before it."""
 _OP_CONN_TIME = Struct("<II3sBI5sII5sII")
 _CONN_OP_TIME = Struct("<II5sII3sBI5sII")
 """The first form has the field order of rosbags, the second form that of ROS 1. Other headers are read field by
@@ -171,7 +173,8 @@ def scan(path: Path) -> Iterator[BagRecord]:
     """Yield every record in the file's order; damaged bytes become an `UnreadableSpan`.
 
     The readable part of a chunk that is cut off or damaged is yielded. After an invalid record the scan continues with
-    the next record, also inside chunks, unless the lengths of the record are invalid.
+    the next record, also inside chunks, unless the lengths of the record are invalid. A message of a chunk is not
+    yielded if unreadable bytes follow it: uncompressed chunks have no checksum, so its end may be lost, too.
 
     Raises:
         BadFile: the file does not exist, or does not begin like a bag.
@@ -196,10 +199,22 @@ def scan(path: Path) -> Iterator[BagRecord]:
                 yield from _cut_off(at, kind, fields, file.read(left), size, so_far)
                 return
             try:
-                yield from _outer(at, kind, fields, file.read(size), so_far)
+                data = file.read(size)
+                yield from _outer(at, kind, fields, data, so_far, is_followed=_is_followed(file, end))
             except (_Torn, OSError) as torn:
                 yield UnreadableSpan(at, after - at, str(torn))
             at = file.seek(after)
+
+
+def _is_followed(file: BinaryIO, end: int) -> bool:
+    """Return True if a record begins here, or the file ends here or in the first bytes of a record."""
+    left = end - file.tell()
+    try:
+        if left < _INDEX_HEADER:
+            return left < _UINT32.size or _uint32(file.read(_UINT32.size)) > 0
+        return _kind(_fields(_read(file, end))) in set(RecordType)
+    except (_Torn, OSError):
+        return False
 
 
 def _cut_off(
@@ -210,7 +225,7 @@ def _cut_off(
     if kind == RecordType.CHUNK:
         lost = 0
         try:
-            for record in _outer(at, kind, fields, data, so_far):
+            for record in _outer(at, kind, fields, data, so_far, is_cut=True):
                 if isinstance(record, UnreadableSpan):
                     lost += record.lost
                 else:
@@ -220,7 +235,16 @@ def _cut_off(
     yield UnreadableSpan(at, lost, f"the file ends {size - len(data)} bytes too early")
 
 
-def _outer(at: int, kind: int, fields: dict[bytes, bytes], data: bytes, so_far: UnpackedBytes) -> Iterator[BagRecord]:
+def _outer(
+    at: int,
+    kind: int,
+    fields: dict[bytes, bytes],
+    data: bytes,
+    so_far: UnpackedBytes,
+    *,
+    is_cut: bool = False,
+    is_followed: bool = True,
+) -> Iterator[BagRecord]:
     match kind:
         case RecordType.BAGHEADER:
             encryptor = fields.get(b"encryptor", b"").decode(errors="replace")
@@ -238,7 +262,7 @@ def _outer(at: int, kind: int, fields: dict[bytes, bytes], data: bytes, so_far: 
             size = _unpack(_UINT32, fields, b"size")
             flags = data[_LZ4_FLAGS] if compression == "lz4" and len(data) > _LZ4_FLAGS else None
             yield ChunkRecord(at, compression, len(data), size, flags)
-            yield from _chunk(at, compression, data, size, so_far)
+            yield from _chunk(at, compression, data, size, so_far, is_cut, is_followed or compression != "none")
         case RecordType.CHUNK_INFO:
             start, end = _time(fields, b"start_time"), _time(fields, b"end_time")
             counts = dict(_PAIR.iter_unpack(data[: len(data) // 8 * 8]))
@@ -253,37 +277,68 @@ def _outer(at: int, kind: int, fields: dict[bytes, bytes], data: bytes, so_far: 
             raise _Torn(f"{kind} is not a kind of record")
 
 
-def _chunk(at: int, compression: str, packed: bytes, size: int, so_far: UnpackedBytes) -> Iterator[BagRecord]:
+def _chunk(
+    at: int, compression: str, packed: bytes, size: int, so_far: UnpackedBytes, is_cut: bool, is_followed: bool
+) -> Iterator[BagRecord]:
     try:
         data = unpacked(compression, packed, size)
         so_far.add(len(data))
+        if len(data) < size and not is_cut and compression != "none":
+            # For a stream that ends early, a decompressor returns data without an error and without a check.
+            raise EOFError("its end is missing")
     except (OSError, RuntimeError, EOFError, ValueError, MemoryError) as error:
         yield UnreadableSpan(at, len(packed), f"a chunk cannot be unpacked ({error})")
         return
     place, problem = 0, "a packed chunk ends too early"
     odd, odd_bytes = "", 0
+    waiting: MessageRecord | None = None
+    begin = 0
     try:
         while place < len(data):
             usual = _usual_message(data, place)
             if usual is not None:
-                message, place = usual
-                yield message
+                if waiting is not None:
+                    yield waiting
+                begin = place
+                waiting, place = usual
                 continue
             head, after = _sized(data, place)
             body, place_after = _sized(data, after)
             try:
-                yield _inner(head, body)
+                record = _inner(head, body)
+                if waiting is not None:
+                    yield waiting
+                begin, waiting = place, record if isinstance(record, MessageRecord) else None
+                if waiting is None:
+                    yield record
             except _Torn as torn:
-                odd, odd_bytes = odd or str(torn), odd_bytes + place_after - place
+                odd, odd_bytes = odd or str(torn), odd_bytes + place_after - (place if waiting is None else begin)
+                waiting = None
             place = place_after
     except _Torn as torn:
         problem = str(torn)
+        if waiting is not None and not (is_cut and _begins_record(data, place)):
+            place, waiting = begin, None
+    if waiting is not None and not is_followed:
+        place, problem = begin, "unreadable bytes follow the last message of a chunk"
+    elif waiting is not None:
+        yield waiting
     if odd:
         yield UnreadableSpan(at, odd_bytes, odd)
     # For a stream that is cut off, a decompressor returns the available data without an error.
     whole = len(data) if compression == "none" else size
     if place < whole:
         yield UnreadableSpan(at, whole - place, problem)
+
+
+def _begins_record(data: bytes, at: int) -> bool:
+    """Return True if the last bytes of a chunk that is cut off can be the beginning of a record."""
+    if len(data) - at < 4 + _MESSAGE_HEADER:
+        return True
+    try:
+        return _kind(_fields(_sized(data, at)[0])) in {RecordType.MSGDATA, RecordType.CONNECTION}
+    except _Torn:
+        return False
 
 
 def _inner(head: bytes, body: bytes) -> ConnectionRecord | MessageRecord:
