@@ -31,6 +31,7 @@ class ChunkFile:
     Attributes:
         path: path of the file.
         size: bytes of the chunks so far, including the file's first record.
+        has_preview: True if a preview follows the chunks; see `preview`.
 
     Raises:
         OSError: the file cannot be created.
@@ -39,6 +40,7 @@ class ChunkFile:
     def __init__(self, path: Path, compression: Compression = Compression.NONE, form: BagFormat = ROS1_BAG) -> None:
         self.path = path
         self.size = 0
+        self.has_preview = False
         self._compression = compression
         self._form = form
         self._counts: Counter[BagConnection] = Counter()
@@ -72,6 +74,7 @@ class ChunkFile:
         except OSError:
             self._index_bytes -= packed.index_bytes
             raise
+        self.has_preview = False
         self._counts.update(chunk.counts)
         self._infos.append(packed.info)
         start, end = self._times or (chunk.start_ns, chunk.end_ns)
@@ -83,6 +86,7 @@ class ChunkFile:
         A preview is never compressed, so it stays readable while a longer preview is written over it.
         """
         self._put(self._form.packed(self.size, chunk, self._known(), Compression.NONE).data)
+        self.has_preview = True
 
     def sync(self) -> None:
         """Force the file onto the disk (fsync). Raises OSError, for example if the file was deleted."""

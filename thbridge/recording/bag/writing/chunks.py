@@ -11,10 +11,11 @@ from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.writing.message_layouts import ROS1, TIME, RecordLayout
 
 CHUNK_BYTES = 768 * 1024
-CHUNK_NS = 1_000_000_000
+CHUNK_NS = 500_000_000
 """Limits of a chunk. When a chunk becomes larger than `CHUNK_BYTES`, it ends after all messages of the present stamp. A
 chunk also ends before it spans more time than `CHUNK_NS`. The size is rosbag's default, because each chunk has an index
-for every topic in it."""
+for every topic in it. A power failure while a complete chunk overwrites its preview can cost the whole chunk, so its
+time is half of the second that may be lost."""
 
 MOST_BYTES = 2 * CHUNK_BYTES
 """Maximum size of a chunk. A larger chunk ends even between messages with equal stamps."""

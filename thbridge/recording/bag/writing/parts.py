@@ -76,9 +76,12 @@ class SplitBagWriter:
         return _finished(self._file)
 
     def append(self, piece: QueuedChunk) -> None:
-        """Add a chunk. Raises OSError; then all earlier chunks are kept."""
+        """Add a chunk, and sync it if it overwrites a preview. Raises OSError; then all earlier chunks are kept."""
         self._turn_to(piece)
+        overwrites = self._file.has_preview
         self._file.append(piece.chunk)
+        if overwrites:
+            self.sync()  # A power failure before the sync may cost the chunk, also the part that was on the disk.
         own_size = self._file.size - self._repeated
         self._full = self._splitting.size is not None and own_size > self._splitting.size
         self._end_ns = piece.chunk.end_ns

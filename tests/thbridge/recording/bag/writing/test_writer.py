@@ -21,7 +21,8 @@ from thbridge.recording.bag.reading.reader import info, messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writing import bag_file, disk
 from thbridge.recording.bag.writing import chunks as bag_chunks
-from thbridge.recording.bag.writing.bag_file import BagFile
+from thbridge.recording.bag.writing.bag_file import BagFile, ChunkFile
+from thbridge.recording.bag.writing.chunks import Chunk
 from thbridge.recording.bag.writing.disk import BagNotWritten
 from thbridge.recording.bag.writing.worker import JobQueue, WorkerThread
 from thbridge.recording.bag.writing.writer import WHOLE, BagWriter
@@ -142,16 +143,16 @@ def test_latching_is_the_integer_one_and_one_node_publishes(tmp_path: Path) -> N
     assert said["/tf"] == ("/thbridge", 0)
 
 
-def test_a_chunk_holds_no_more_than_a_second_and_chunks_come_in_order(tmp_path: Path) -> None:
+def test_a_chunk_holds_no_more_than_half_a_second_and_chunks_come_in_order(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     with BagWriter(path, PLAIN) as writer:
         for tick in range(0, 500, 7):
             writer.write(text(tick))
     with Reader(path) as reader:
         chunks = list(reader.chunk_infos)
-    assert all(chunk.end_time - chunk.start_time <= 1_000_000_001 for chunk in chunks)
+    assert all(chunk.end_time - chunk.start_time <= 500_000_001 for chunk in chunks)
     assert [chunk.start_time for chunk in chunks] == sorted(chunk.start_time for chunk in chunks)
-    assert len(chunks) == 9
+    assert len(chunks) == 18
 
 
 def test_a_chunk_ends_beyond_its_bound_and_never_within_a_stamp(tmp_path: Path) -> None:
@@ -272,7 +273,7 @@ def test_a_full_disk_is_told_and_all_before_it_is_kept(
     writer = BagWriter(path, PLAIN, make_queue=lane)
     for tick in range(200):
         writer.write(text(tick, 1000))
-    room[0] = 4117 + 170_000
+    room[0] = 4117 + 200_000
     with pytest.raises(BagNotWritten, match="no space left") as raised:
         for tick in range(200, 500):
             writer.write(text(tick, 1000))
@@ -281,7 +282,7 @@ def test_a_full_disk_is_told_and_all_before_it_is_kept(
     writer.close()
     assert raised.value.path in (part, active_of(path))
     room[0] = -1
-    assert info(path).messages == 150  # three chunks of a second
+    assert info(path).messages == 175  # seven chunks of half a second
     assert "last second" in str(raised.value)
 
 
@@ -385,6 +386,40 @@ def test_the_regular_sync_puts_every_message_on_the_disk(tmp_path: Path, name: s
     assert info(tmp_path / name).messages == 2
 
 
+@pytest.mark.parametrize("phase", [0.1, 0.3])
+@pytest.mark.parametrize("name", KINDS)
+def test_all_chunks_that_a_power_failure_may_cost_are_of_the_last_second(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, phase: float
+) -> None:
+    """From the time at which a chunk is written until the next sync, a power failure may damage it."""
+    now, at_risk, oldest = 0.0, list[int](), list[float]()
+
+    def look() -> None:
+        oldest.append(now - phase + 1.0 - min(at_risk, default=10**12) / 1e9)
+
+    def risky(write: Callable[[ChunkFile, Chunk], None]) -> Callable[[ChunkFile, Chunk], None]:
+        def watched(file: ChunkFile, chunk: Chunk) -> None:
+            at_risk.append(chunk.start_ns)
+            look()
+            write(file, chunk)
+
+        return watched
+
+    def sync(file: ChunkFile) -> None:
+        at_risk.clear()
+
+    monkeypatch.setattr(ChunkFile, "append", risky(ChunkFile.append))
+    monkeypatch.setattr(ChunkFile, "preview", risky(ChunkFile.preview))
+    monkeypatch.setattr(ChunkFile, "sync", sync)
+    with BagWriter(tmp_path / name, PLAIN, clock=lambda: now, make_queue=inline) as writer:
+        for tick in range(300):
+            now = phase + tick * 0.02
+            writer.write(text(tick))
+            look()
+            writer.sync_if_due()
+    assert 0.1 < max(oldest) < 0.75
+
+
 def test_memory_does_not_keep_what_was_written(tmp_path: Path) -> None:
     with BagWriter(tmp_path / "a.bag", PLAIN, make_queue=inline) as writer:
         tracemalloc.start()
@@ -481,7 +516,7 @@ def test_parts_smaller_than_what_they_begin_with_still_take_more_than_a_chunk(tm
     map_topic = Topic("/map", "std_msgs/String", latched=True)
     with BagWriter(tmp_path / "a.bag", PLAIN, splitting=SplitLimits(size=800_000), make_queue=inline) as writer:
         writer.write(text(0, 1_600_000)._replace(topic=map_topic))
-        for tick in range(1, 161):
+        for tick in range(1, 196):
             writer.write(text(tick, 20_000))
     assert [info(part).messages > 40 for part in parts_of(tmp_path / "a.bag")] == [False, True, True, True, True]
 
@@ -507,13 +542,13 @@ def test_parts_do_not_depend_on_the_wall_clock(tmp_path: Path, name: str, splitt
 
 def test_a_folder_that_vanishes_between_parts_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     writer = BagWriter(tmp_path / "a.bag", PLAIN, splitting=SplitLimits(size=1000), make_queue=inline)
-    for tick in range(60):
+    for tick in range(40):
         writer.write(text(tick, 1000))
     (tmp_path / "a_1.bag.active").mkdir()
     with pytest.raises(BagNotWritten, match="file exists"):
-        for tick in range(60, 200):
+        for tick in range(40, 200):
             writer.write(text(tick, 1000))
-    assert info(tmp_path / "a_0.bag").messages == 50
+    assert info(tmp_path / "a_0.bag").messages == 25
 
 
 def test_an_older_split_recording_is_not_mixed_in(tmp_path: Path) -> None:
