@@ -62,7 +62,7 @@ class ParticipantData:
                 *((Pid.DEFAULT_UNICAST_LOCATOR, parameters.locator(each)) for each in self.default),
                 (Pid.LEASE_DURATION, parameters.duration(self.lease_ns)),
                 (Pid.USER_DATA, parameters.octets(self.user_data)),
-                (Pid.ENTITY_NAME, parameters.text("/")),
+                (Pid.ENTITY_NAME, parameters.string("/")),
             ]
         )
 
@@ -134,8 +134,8 @@ class EndpointData:
             [
                 (Pid.ENDPOINT_GUID, self.guid),
                 (Pid.PARTICIPANT_GUID, self.guid[:PREFIX_SIZE] + PARTICIPANT),
-                (Pid.TOPIC_NAME, parameters.text(self.topic)),
-                (Pid.TYPE_NAME, parameters.text(self.type)),
+                (Pid.TOPIC_NAME, parameters.string(self.topic)),
+                (Pid.TYPE_NAME, parameters.string(self.type)),
                 (Pid.RELIABILITY, parameters.numbers(2 if is_reliable else 1) + parameters.duration(_BLOCKING_NS)),
                 (Pid.DURABILITY, parameters.numbers(1 if is_latched else 0)),
                 (Pid.HISTORY, parameters.numbers(_KEEP_LAST, self.qos.depth)),
@@ -164,9 +164,9 @@ class EndpointData:
                 case Pid.ENDPOINT_GUID:
                     guid = each.guid()
                 case Pid.TOPIC_NAME:
-                    topic = each.text()
+                    topic = each.string()
                 case Pid.TYPE_NAME:
-                    type_name = each.text()
+                    type_name = each.string()
                 case Pid.RELIABILITY:
                     reliability = each.number()
                 case Pid.DURABILITY:

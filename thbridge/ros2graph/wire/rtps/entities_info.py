@@ -78,7 +78,7 @@ class _Cursor:
         value: int = self._number.unpack(self.take(4))[0]
         return value
 
-    def text(self) -> str:
+    def string(self) -> str:
         """Return the next string."""
         size = self.number()
         if size > _LONGEST_NAME + 1:
@@ -87,7 +87,7 @@ class _Cursor:
 
     def node(self) -> NodeName:
         """Return the next name of a node."""
-        name = NodeName(self.text() or "/", self.text())
+        name = NodeName(self.string() or "/", self.string())
         if not _NAMES.fullmatch(name.whole):
             raise ValueError("the name of a node has other characters than ROS allows")
         return name

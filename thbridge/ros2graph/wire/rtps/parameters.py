@@ -68,7 +68,7 @@ class Parameter(NamedTuple):
         """Return the value as a number of 4 bytes."""
         return self._unpack("I")[0]
 
-    def text(self) -> str:
+    def string(self) -> str:
         """Return the value as a string."""
         size = self.number()
         if not 0 < size <= len(self.value) - 4:
@@ -126,7 +126,7 @@ def numbers(*values: int) -> bytes:
     return struct.pack(f"<{len(values)}I", *values)
 
 
-def text(value: str) -> bytes:
+def string(value: str) -> bytes:
     """Return the bytes of a string."""
     data = value.encode() + b"\x00"
     return numbers(len(data)) + data
