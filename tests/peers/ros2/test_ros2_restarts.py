@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.faketime.test_clock_jumps import JUMPS, LIBRARY, Clock
 from tests.peers.ros2.peer_process import DOMAIN, PeerProcess, joined, needs_ros2, peer
 from tests.peers.ros2.peer_process import until as eventually
+from tests.support.programs.jumping_clock import JUMPS, LIBRARY, Clock
 from tests.support.programs.ports import free_domain, free_port
 from tests.support.programs.processes import Program, until
 from thbridge.ros2graph.sockets.dds import DdsCarrier
