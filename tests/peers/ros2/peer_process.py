@@ -14,7 +14,8 @@ from tests.support.programs.ports import free_domain
 from tests.support.project import ROOT
 from thbridge.ros2graph.sockets.dds import DdsCarrier
 
-PYTHON = ROOT / ".peers" / "ros2" / "bin" / "python"
+ROS2 = ROOT / ".peers" / "ros2"
+PYTHON = ROS2 / "bin" / "python"
 FOLDER = Path(__file__).parent
 DOMAIN = free_domain()
 """Domain of this process's tests, so that tests of other processes do not take part."""
@@ -112,3 +113,8 @@ async def joined(carrier: DdsCarrier) -> AsyncIterator[DdsCarrier]:
         yield carrier
     finally:
         await carrier.stop()
+
+
+def padded(message: bytes) -> bytes:
+    """DDS transports messages in words of four bytes."""
+    return message + bytes(-len(message) % 4)

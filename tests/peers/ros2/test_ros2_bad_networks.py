@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from sim.world.sensors import mount_of
-from tests.peers.ros2.test_ros2_session import FOLDER, PYTHON, ROS2, padded
+from tests.peers.ros2.peer_process import FOLDER, PYTHON, ROS2, padded
 from tests.support.programs.bad_cable import HERE, BadCable, bad_cable
 from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.processes import Program, until

@@ -13,12 +13,12 @@ import pytest
 from sim.common.observations import TICK
 from sim.world.sensors import mount_of
 from tests.peers.mavlink_hunter import Hunter
+from tests.peers.ros2.peer_process import FOLDER, PYTHON, ROS2, padded
 from tests.peers.ros_programs import NEEDS_ROS, Ros
 from tests.support.programs.browser_client import BrowserClient
 from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_domain, free_port, free_udp_port
 from tests.support.programs.processes import Program, until
-from tests.support.project import ROOT
 from tests.support.studies.served_program import kill_workers, playing, port_for_browsers
 from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.setting import read_setting
@@ -33,9 +33,6 @@ from thbridge.study.built_in import STANDARD
 from thbridge.study.study_file import load_study
 from ui.web.pool.running_games import RunningGames
 
-ROS2 = ROOT / ".peers" / "ros2"
-PYTHON = ROS2 / "bin" / "python"
-FOLDER = Path(__file__).parent
 DOMAIN = str(free_domain())
 
 pytestmark = pytest.mark.skipif(
@@ -46,11 +43,6 @@ pytestmark = pytest.mark.skipif(
 def environment() -> dict[str, str]:
     kept = {name: value for name, value in os.environ.items() if name not in {"PYTHONPATH", "PYTHONHOME"}}
     return {**kept, "ROS_DOMAIN_ID": DOMAIN, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-
-
-def padded(message: bytes) -> bytes:
-    """DDS transports messages in words of four bytes."""
-    return message + bytes(-len(message) % 4)
 
 
 def test_rclpy_gets_what_the_bag_has(tmp_path: Path) -> None:
