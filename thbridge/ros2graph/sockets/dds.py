@@ -28,7 +28,7 @@ from thbridge.sockets.warn_once import WarnOnce
 DATAGRAM_SIZE, NETWORK_DATAGRAM_SIZE = 16_000, 1_400
 """Maximum number of bytes of a datagram on loopback, and on a network. There, it fits into one Ethernet frame."""
 
-_AT_ONCE, _AT_ONCE_NS = 64, 3_000_000
+_AT_ONCE, _AT_ONCE_NS = 512, 3_000_000
 """Maximum number of datagrams that are read in one round of the event loop, and maximum time. Other work follows."""
 _STRANGER = b""
 _BUFFER = 4 << 20
