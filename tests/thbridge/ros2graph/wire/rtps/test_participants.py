@@ -8,9 +8,12 @@ from hypothesis import strategies as st
 
 from tests.thbridge.ros2graph.wire.rtps.rtps_network import HOST, STAMP, RtpsNetwork
 from thbridge.ros2.qos import DEFAULT, LATCHED, SENSOR_DATA, QosProfile
+from thbridge.ros2graph.values.graph import NodeName
 from thbridge.ros2graph.wire.rtps import participant as limits
 from thbridge.ros2graph.wire.rtps import readers
+from thbridge.ros2graph.wire.rtps.dds_graph import DdsGraph
 from thbridge.ros2graph.wire.rtps.discovery import LEASE_NS, EndpointData, ParticipantData, disposal
+from thbridge.ros2graph.wire.rtps.entities_info import NodeEntities, encode_entities
 from thbridge.ros2graph.wire.rtps.guids import (
     PARTICIPANT,
     PUBLICATIONS_WRITER,
@@ -24,6 +27,7 @@ from thbridge.ros2graph.wire.rtps.outbox import RESENT_BYTES, Destination, Outbo
 from thbridge.ros2graph.wire.rtps.parameters import UdpAddress
 from thbridge.ros2graph.wire.rtps.participant import RtpsParticipant
 from thbridge.ros2graph.wire.rtps.readers import HeldBytes, ReceivedSample, RtpsReader
+from thbridge.ros2graph.wire.rtps.ros_names import DISCOVERY_TOPIC, DISCOVERY_TYPE
 from thbridge.ros2graph.wire.rtps.submessages import (
     DataFragment,
     FragmentRequest,
@@ -424,3 +428,15 @@ def test_samples_that_are_too_large_are_not_assembled() -> None:
     huge = fragment[:size_at] + (readers.LARGEST_SAMPLE + 1).to_bytes(4, "little") + fragment[size_at + 4 :]
     participant.receive(encode_header(STRANGER) + huge, HOST, 0, STAMP)
     assert participant.held.held == 0
+
+
+def test_a_participant_cannot_name_the_endpoints_of_another_one() -> None:
+    network = RtpsNetwork()
+    first, liar, other = (network.join(number) for number in range(3))
+    graph = DdsGraph(first, lambda: STAMP, lambda: None, network.faults.append)
+    victim, own = (each.add_writer(*TOPIC, DEFAULT, b"", STAMP) for each in (other, liar))
+    info = liar.add_writer(DISCOVERY_TOPIC, DISCOVERY_TYPE, LATCHED, b"", STAMP)
+    nodes = [NodeEntities(NodeName("/", "liar"), [], [victim.guid, own.guid])]
+    liar.write(info, encode_entities(liar.guid, nodes), STAMP)
+    network.run(lambda: graph.node_of(own.guid) == "/liar")
+    assert graph.node_of(victim.guid) == victim.guid.hex()
