@@ -4,11 +4,10 @@ import dataclasses
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from thbridge.ros2graph.sockets.joining import NodeTaken
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.study.external_nodes import ExternalNodes
@@ -39,6 +38,9 @@ from ui.command_line.options import (
 from ui.command_line.outputs import make_ready
 from ui.command_line.terminal import BAD_INPUT, DECLINED, FAILED, bad_input, fail, note, print_json, say, show
 from ui.windows.display import why_no_window
+
+if TYPE_CHECKING:
+    from thbridge.ros2graph.sockets.joining import NodeTaken
 
 
 def server(
@@ -277,7 +279,7 @@ def tabui(
         note(ANOTHER_GAME)
 
 
-def _unreachable(graph: str, why: CannotListen | CannotReach | NodeTaken) -> None:
+def _unreachable(graph: str, why: "CannotListen | CannotReach | NodeTaken") -> None:
     fail(BAD_INPUT, f"{graph}: {why}")
 
 
