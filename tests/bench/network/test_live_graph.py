@@ -268,7 +268,6 @@ def test_ten_robots_under_way_on_a_graph_of_ros2(budgets: Budgets, monkeypatch, 
         print(f"\nload of the machine: {os.getloadavg()[0]:.1f}")
         print(alone.told("alone"), unheard.told("on ROS 2, unheard"), heard.told("on ROS 2"))
     heard.judge("three listeners on ROS 2", budgets)
-    assert heard.dropped == 0
 
 
 def test_ten_robots_under_way_on_a_graph(budgets: Budgets, monkeypatch, capsys):
