@@ -32,7 +32,8 @@ _AT_ONCE = 16
 work, such as ticks."""
 
 _REFUSED_AT_ONCE = 64
-"""Maximum number of connections that are closed in a row because they are above the mark."""
+"""Maximum number of connections in a row that are closed because they are above the mark, or because their clients have
+left."""
 
 _AGAIN_SECONDS = 1.0
 """Seconds until the next attempt if the system cannot accept connections."""
@@ -179,15 +180,18 @@ class _Acceptor:
             self._again = self._loop.call_later(_AGAIN_SECONDS, self._begin)
 
     def _next(self) -> socket.socket:
-        """Return a connection with a descriptor below the mark.
+        """Return a connection with a descriptor below the mark whose client has not left.
+
+        A client that opens connections without end has left most of them. They must not fill the queue of the system
+        (`BACKLOG`), because an honest client would have to wait for a second.
 
         Raises:
             OSError: no connection waits (BlockingIOError), or the system cannot accept one.
         """
         for _ in range(_REFUSED_AT_ONCE):
             accepted, _ = self._bound.accept()
-            if accepted.fileno() < mark():
-                accepted.setblocking(False)
+            accepted.setblocking(False)
+            if accepted.fileno() < mark() and not _has_left(accepted):
                 return accepted
             accepted.close()
         raise ConnectionAbortedError
@@ -206,6 +210,16 @@ class _Acceptor:
         if not task.cancelled() and (error := task.exception()) is not None:
             level = logging.INFO if isinstance(error, OSError) else logging.WARNING
             _log.log(level, "a connection failed before it was established: %r", error)
+
+
+def _has_left(accepted: socket.socket) -> bool:
+    """Return True if the client of a connection has closed it without sending anything."""
+    try:
+        return not accepted.recv(1, socket.MSG_PEEK)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return True
 
 
 def raise_limit() -> None:

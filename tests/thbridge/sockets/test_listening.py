@@ -158,6 +158,25 @@ def test_a_connection_at_the_mark_is_closed_before_anybody_hears_of_it_and_one_b
     asyncio.run(whole())
 
 
+def test_only_those_who_have_not_left_are_heard_and_one_who_spoke_before_leaving_is() -> None:
+    async def whole() -> None:
+        door = ServerDoor(10)
+        port, came = await hear_one(door)
+        gone = Crowd(port, 200)  # more than a door closes in a row
+        gone.leave()
+        with socket.create_connection((LOCALHOST, port)) as speaking, socket.create_connection((LOCALHOST, port)):
+            speaking.sendall(b"%%setid A\n")
+            speaking.shutdown(socket.SHUT_WR)
+            async with asyncio.timeout(PATIENCE):
+                for _ in range(2):
+                    (await came.get()).close()
+            assert came.empty()
+        door.close()
+        await door.wait_closed()
+
+    asyncio.run(whole())
+
+
 def test_nobody_is_called_where_the_connection_would_take_a_descriptor_of_those_kept(tmp_path: Path) -> None:
     async def whole() -> None:
         server, client = XmlRpcServer(("getPid",), lambda call, peer: 1), XmlRpcClient()
