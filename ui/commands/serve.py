@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from contextlib import AbstractAsyncContextManager
 
+    from thbridge.sockets.addresses import Address
+    from thbridge.sockets.reconnecting import ConnectionLost
     from thbridge.study.study_file import Study
     from ui.hosting.window_process import WindowProcess
     from ui.model.kiosk import FromKiosk, ToKiosk
@@ -26,8 +28,6 @@ if TYPE_CHECKING:
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
-REACH_TIMEOUT = 5.0
-"""Seconds for the server of a game elsewhere to accept a connection."""
 GAMES_PER_CORE = 6
 """Games of three robots with which 95 % of all acts have their effect on the page within 0.1 s; see
 `scripts/measure_browser_games.py`."""
@@ -290,9 +290,10 @@ def _serve_folder(
 
 
 def _joined(study: "Study", file: Path | None, server: str, key: Path | None, seat: str | None) -> "JoinedGame":
-    """Return the game of a text server; end the program if the server cannot be reached."""
+    """Return the game of a text server; end the program if the server cannot be reached, or refuses the key."""
+    import asyncio
+
     from thbridge.sockets.addresses import Address, ListeningAddress
-    from thbridge.sockets.errors import CannotReach
     from ui.command_line.keys import key_of
     from ui.command_line.seats import client_seat
     from ui.commands.programs.client import address_of
@@ -301,13 +302,30 @@ def _joined(study: "Study", file: Path | None, server: str, key: Path | None, se
     host, port = address_of(server, study.server)
     own_seat = client_seat(study, file, seat)
     shown = None if key is None else key_of(key)
-    try:
-        socket.create_connection((host, port), REACH_TIMEOUT).close()
-    except (OSError, UnicodeError) as error:
-        cause = error if isinstance(error, OSError) else OSError(0, "this is not the name of a host")
-        remedy = "Start `thbridge server` or `thbridge play --outside TabUI` there first, or correct the address"
-        fail(BAD_INPUT, f"--server: {CannotReach.because(cause, 'game', Address(host, port), remedy)}")
-    return JoinedGame.at(study, file, ListeningAddress(host, port), shown, own_seat)
+    game = JoinedGame.at(study, file, ListeningAddress(host, port), shown, own_seat)
+    if (lost := asyncio.run(game.why_refused())) is not None:
+        fail(BAD_INPUT, _why_not_joined(lost, Address(host, port), key))
+    return game
+
+
+def _why_not_joined(lost: "ConnectionLost", server: "Address", key: Path | None) -> str:
+    """Return the reason why a game elsewhere cannot be joined, with a remedy."""
+    from thbridge.sockets.reconnecting import LossReason
+
+    option = "--server" if key is None else f"--key {key}"
+    match lost.reason:
+        case LossReason.UNREACHABLE:
+            remedy = "Start `thbridge server` or `thbridge play --outside TabUI` there first, or correct the address"
+            return f"--server: no game at {lost.detail}. {remedy}."
+        case LossReason.UNTRUSTED:
+            remedy = "Give the key of this server. If the server accepts no keys, omit --key"
+            return f"{option}: {lost.detail}. {remedy}."
+        case _ if key is None:
+            remedy = "Add its key with --key FILE, or give the study file of the game"
+            return f"{option}: the game at {server} refuses this program: {lost.detail}. {remedy}."
+        case _:
+            remedy = "Ask the admin of the server for another key (`thbridge keys new NAME`)"
+            return f"{option}: the game at {server} refuses this key: {lost.detail}. {remedy}."
 
 
 def _remote_hosts(

@@ -92,6 +92,7 @@ class GameSeat:
         texts: texts until the game has sent its own.
         practice: True for the practice game.
         once: True if only one game is played, and another part of a study follows.
+        joins_next: see `Participant`.
         kept: lines of the history from an earlier process of the game. If None, there is no earlier process.
         acted: function that receives the kind of each act, and the age of the page on which the person acted, in
             milliseconds.
@@ -110,6 +111,7 @@ class GameSeat:
         *,
         practice: bool = False,
         once: bool = True,
+        joins_next: bool = False,
         kept: KeptLines | None = None,
         acted: Callable[[str, float], None] = lambda _act, _view_age: None,
         clock: Callable[[], float] = time.monotonic,
@@ -117,7 +119,7 @@ class GameSeat:
         self._clock = clock
         self._practice = practice
         self._acted = acted
-        self._model = Participant(texts=texts, once=once, kept=kept)
+        self._model = Participant(texts=texts, once=once, joins_next=joins_next, kept=kept)
         self._events: list[ReceivedEvent] = []
         self._connection = connect(self._events.append)
         self._maker = BrowserPageMaker(self._picture_id)

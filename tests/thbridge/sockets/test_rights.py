@@ -112,6 +112,10 @@ class House:
         async with self.program(name, key) as client:
             return await first(client)
 
+    async def refuses(self, name: str, key: ClientKey | None) -> ConnectionLost | None:
+        """Return why a program cannot join, without letting it join."""
+        return await TextClient.why_refused(name, "127.0.0.1", self.ports[0], key, 20.0)
+
     async def watches(self, key: ClientKey | None, *, asks: bool = False) -> str:
         """Return why a window sees nothing, or is granted nothing; empty: it is."""
         client = WatchClient("127.0.0.1", self.ports[1], key, SOON)
@@ -165,7 +169,9 @@ def test_a_key_opens_the_doors_of_its_rights_and_no_other(house: House, right: R
         could: set[str] = set()
         async with house.open():
             for name in NAMES:
+                refused = await house.refuses(name, house.keys[right])
                 answer = await house.joins(name, house.keys[right])
+                assert refused == (answer if isinstance(answer, ConnectionLost) else None)
                 if isinstance(answer, NameRegistered):
                     could.add(name)
                 else:
@@ -203,6 +209,7 @@ def test_a_key_that_is_none_opens_nothing(house: House, key: str, why: str) -> N
     async def knock() -> None:
         async with house.open():
             if key.isascii():
+                assert await house.refuses("SimR", shown) == ConnectionLost(LossReason.REFUSED, why)
                 assert await house.joins("SimR", shown) == ConnectionLost(LossReason.REFUSED, why)
                 assert await house.watches(shown) == why
 
@@ -294,8 +301,9 @@ def test_a_key_of_some_seats_admits_to_no_other_seat(house: House) -> None:
         async with house.open():
             assert isinstance(await house.joins("TabUI-driver", ann), NameRegistered)
             assert isinstance(await house.joins("TabUI-scout", ann), NameRegistered)
+            assert await house.refuses("TabUI-scout", ann) is None
             for other in ("TabUI-namer", "TabUI", "driver"):
-                assert await house.joins(other, ann) == refused
+                assert await house.joins(other, ann) == await house.refuses(other, ann) == refused
             assert isinstance(await house.joins("TabUI-namer", house.keys[Right.PARTICIPANT]), NameRegistered)
 
     refused = ConnectionLost(LossReason.REFUSED, "the key ann is not for this seat; use --seat with: driver, scout")

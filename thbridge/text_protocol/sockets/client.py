@@ -19,6 +19,7 @@ from thbridge.text_protocol.wire.client import (
     SendToServer,
 )
 from thbridge.text_protocol.wire.lines import TextMessage, encode_line
+from thbridge.text_protocol.wire.notice_format import SERVER
 
 _log = logging.getLogger(__name__)
 
@@ -71,6 +72,18 @@ class TextClient(ReconnectingClient):
         self.address = f"{host}:{port}"
         self._token = token
         self._events: asyncio.Queue[TextClientEvent] = asyncio.Queue(_EVENTS)
+
+    @classmethod
+    async def why_refused(
+        cls, name: str, host: str, port: int, key: ClientKey | None, timeout: float
+    ) -> ConnectionLost | None:
+        """Connect once, and return the reason why the program `name` cannot connect; None if it can.
+
+        The name is not registered, and a key for one game is not used. `timeout` is in seconds.
+        """
+        # A server refuses its own name with a reason only if it would also refuse the name in the token.
+        lost = await cls(SERVER, name, host, port, Backoff(timeout=timeout), key)._converse()
+        return None if lost.reason is LossReason.REFUSED and not lost.detail else lost
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:

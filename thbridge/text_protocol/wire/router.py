@@ -506,10 +506,12 @@ class MessageRouter:
         extended = extras[:1] == [EXTENDED]
         token = extras[1] if extended and len(extras) > 1 else None
         outputs: list[RouterOutput] = []
-        reason = _not_entitled(client.credentials, name, extended)
+        # No program may hold the server's name. A client that wants it asks if it may have the name in its token.
+        asked = token if name == SERVER and token is not None else name
+        reason = _not_entitled(client.credentials, asked, extended)
         if reason is not None:
             return self._turn_out(client, name, reason)
-        refused = None if self._name_rule is None else self._name_rule(name, extended)
+        refused = None if self._name_rule is None else self._name_rule(asked, extended)
         if refused is not None:
             return self._refuse_name(client, name, refused, extended=extended)
         holder = self._holders.get(name)

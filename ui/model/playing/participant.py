@@ -9,7 +9,7 @@ from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.participant.tabui import ParticipantUpdate
 from thbridge.roles.shared.notices import FloorPlan, GameTexts, PicturePiece, PlannedPaths, PoseTelemetry, RobotMotion
 from thbridge.roles.shared.team_notices import TeamTalk
-from thbridge.roles.shared.view import ParticipantRequest, View
+from thbridge.roles.shared.view import ParticipantRequest, PlayAgain, View
 from thbridge.timing.wall_clock import utc_now
 from ui.model.playing.acts import do
 from ui.model.playing.compose import compose, next_change, with_motions
@@ -46,6 +46,8 @@ class Participant:
         sound_on: True if the participant wants sounds.
         can_sound: True if the computer can play sounds.
         once: True if only one game is played, and another part of a study follows.
+        joins_next: True if a participant who joins after the end of a game begins the next game, instead of seeing the
+            result. This has no effect if `kept` has lines.
         texts: texts until the game sends other texts. If None, the texts are English.
         kept: lines of the history from a program that showed the game before. If None, there is no such program.
     """
@@ -58,6 +60,7 @@ class Participant:
         sound_on: bool = True,
         can_sound: bool = True,
         once: bool = False,
+        joins_next: bool = False,
         kept: KeptLines | None = None,
     ) -> None:
         self._memory = ParticipantMemory(
@@ -68,6 +71,9 @@ class Participant:
             once=once,
             history=GameHistory(kept),
         )
+        # True until the participant has seen a game that is not over.
+        self._joins_next = joins_next and not (kept is not None and kept.read())
+        self._next_game: PlayAgain | None = None
         self._playback = MotionPlayback()
         self._marks: MapMarks | None = None
         self._screen: Screen | None = None
@@ -117,6 +123,8 @@ class Participant:
         memory = self._memory
         match level:
             case View():
+                if self._awaits_next(level):
+                    return
                 if level.robots and (level.ready or memory.hunt is not None):
                     receive_view(memory, level, now)
             case TeamTalk():
@@ -232,10 +240,19 @@ class Participant:
         A request must be sent repeatedly as long as it is in this list.
         """
         hunt = self._memory.hunt
+        if self._next_game is not None:
+            return (self._next_game,)
         if hunt is None:
             return ()
         team = hunt.view.team
         return (*open_requests(hunt), *(() if team is None else self._memory.talk.requests(team.read)))
+
+    def _awaits_next(self, view: View) -> bool:
+        """Return True if the participant awaits the next game, because a view shows the game before they joined."""
+        self._joins_next = self._joins_next and view.over is not None
+        awaits = self._joins_next and view.consent is None
+        self._next_game = PlayAgain(view.game) if awaits else None
+        return awaits
 
     def _receive_motions(self, motions: tuple[RobotMotion, ...], now: float) -> bool:
         """Process the robots' motions; return True if parts of the screen other than the cards change."""

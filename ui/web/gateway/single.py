@@ -139,20 +139,23 @@ class SingleGames:
         window = visitor.window
         await window.send(StudyTexts(GameTexts.of(self.texts)))
         person, page, agreed_at = _key(visitor.secret), 1, ""
-        if not self._has_begun(person):
+        has_begun = self._has_begun(person)
+        if not has_begun:
             before = await self._prepare(window)
             if before is None:
                 return
             page, agreed_at = before
+        while page:
+            if not has_begun:
+                if not self._seats:
+                    await self._await_turn(window, person, page)
+                elif not await self._await_others(window, person, page, agreed_at):
+                    return
+                page += 1
             if not self._seats:
-                await self._await_turn(window, person, page)
-            elif not await self._await_others(window, person, page, agreed_at):
-                return
-            page += 1
-        if not self._seats:
-            request = self._joined or self._request(self._new_bag(), {"": agreed_at})
-            self._add(person, request, dict.fromkeys(request.consents, person))
-        await self._play(window, self._games[person], person, page)
+                request = self._joined or self._request(self._new_bag(), {"": agreed_at})
+                self._add(person, request, dict.fromkeys(request.consents, person))
+            page, has_begun = await self._play(window, self._games[person], person, page), False
 
     async def _prepare(self, window: BrowserWindow) -> tuple[int, str] | None:
         """Show rules and consent; return the number of the next page and the time of consent, or None if declined."""
@@ -221,18 +224,10 @@ class SingleGames:
     async def _await_turn(self, window: BrowserWindow, key: str, page: int) -> None:
         """Let the visitor wait until their game can start."""
         texts, queue, waiting = self.texts, self._queue, True
-        awaited = headed(texts, "waiting_for_game" if self._joined is None else "game_taken", "web")
         while waiting:
             queue.enter(key)
             try:
-                waiting = not await show_turn(
-                    TurnToAwait(page, *awaited),
-                    window,
-                    lambda: _about(window, page),
-                    lambda: queue.is_closed or queue.admits(key),
-                    lambda: queue.before(key),
-                    LONGEST_WAIT,
-                )
+                waiting = not await self._show_turn(window, key, page)
             finally:
                 queue.leave(key)
             if waiting:
@@ -242,6 +237,32 @@ class SingleGames:
                     pass
         if queue.is_closed:
             await pause(window, texts)
+
+    async def _show_turn(self, window: BrowserWindow, key: str, page: int) -> bool:
+        """Show the waiting page until the game can start; return False if the visitor stops waiting, or must."""
+        queue, joined = self._queue, self._joined
+
+        async def show(words: str, has_come: Callable[[], bool]) -> bool:
+            return await show_turn(
+                TurnToAwait(page, *headed(self.texts, words, "web")),
+                window,
+                lambda: _about(window, page),
+                lambda: queue.is_closed or has_come(),
+                lambda: queue.before(key),
+                LONGEST_WAIT,
+            )
+
+        if joined is None:
+            return await show("waiting_for_game", lambda: queue.admits(key))
+        if not await show("game_taken", lambda: queue.admits(key)):
+            return False
+        if await joined.why_refused() is None:
+            return True
+        opening = asyncio.create_task(joined.opened())
+        try:
+            return await show("no_game", opening.done)
+        finally:
+            opening.cancel()
 
     async def _await_others(self, window: BrowserWindow, person: str, page: int, agreed_at: str) -> bool:
         """Let the visitor wait until a game with all its seats starts; return False after too long a wait."""
@@ -273,7 +294,8 @@ class SingleGames:
                     while not isinstance(await _about(window, page), WentOn):
                         pass
 
-    async def _play(self, window: BrowserWindow, game: ServedGame, person: str, page: int) -> None:
+    async def _play(self, window: BrowserWindow, game: ServedGame, person: str, page: int) -> int:
+        """Let a visitor play a game; return the number of the page after it, or 0 if they can play no other game."""
         texts, key, seat = self.texts, game.key, game.people[person]
         prepared = texts.text("pages.preparing", count=self._study.robots)
         if self._seats:
@@ -304,17 +326,24 @@ class SingleGames:
         else:
             stopped = texts.text("kiosk.program_stopped")
             await window.send(TextToRead(0, stopped, texts.text("kiosk.cannot_go_on"), ""))
-            return
+            return 0
         self._finish(game, person)
         if declined.is_set():
             await window.send(self._not_taking_part())
-            return
+            return 0
         ended = texts.text("kiosk.game_ended")
         if not went_on.is_set():
             await window.send(GameRecorded(page + 2, ended, texts.text("kiosk.go_on_when_ready")))
             while not isinstance(await _about(window, page + 2), WentOn):
                 pass
-        await window.send(TextToRead(0, texts.text("pages.thanks"), texts.text("web.played"), ""))
+        thanks, played = texts.text("pages.thanks"), texts.text("web.played")
+        if self._joined is None:
+            await window.send(TextToRead(0, thanks, played, ""))
+            return 0
+        await window.send(TextToRead(page + 3, thanks, played, texts.text("game_over.again")))
+        while not isinstance(await _about(window, page + 3), WentOn):
+            pass
+        return page + 4
 
     async def _play_once(
         self,

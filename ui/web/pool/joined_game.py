@@ -7,11 +7,19 @@ from pathlib import Path
 
 from sim.common.observations import TICK
 from thbridge.files.keys.key_file import ClientKey
+from thbridge.roles.shared.seat_programs import program_of
 from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.reconnecting import ConnectionLost
 from thbridge.study.study_file import Study
+from thbridge.text_protocol.sockets.client import TextClient
 from ui.web.page.patches import Json
 from ui.web.pool.single_game import SingleGame
 from ui.web.pool.worker import PeopleInGame
+
+REACH_TIMEOUT = 5.0
+"""Seconds for the server of a game elsewhere to answer."""
+LOOK = 1.0
+"""Seconds between two looks for a server that cannot be reached."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,6 +45,21 @@ class JoinedGame(SingleGame):
     def seat(self) -> str:
         """Name of the person's seat; empty in a game with one participant."""
         return next(iter(self.consents))
+
+    @property
+    def joins_next(self) -> bool:
+        """See `GameRequest`."""
+        return True
+
+    async def why_refused(self) -> ConnectionLost | None:
+        """Return the reason why the person cannot join the game now; None if they can."""
+        host, port = self.server.host, self.server.port
+        return await TextClient.why_refused(program_of(self.seat), host, port, self.key, REACH_TIMEOUT)
+
+    async def opened(self) -> None:
+        """Wait until the person can join the game."""
+        while await self.why_refused() is not None:
+            await asyncio.sleep(LOOK)
 
     async def play(self, people: PeopleInGame) -> Json:
         """Let the person take part until they have left."""

@@ -53,6 +53,11 @@ class SingleGame:
         """See `GameRequest`. People play games of a study file in browsers."""
         return frozenset()
 
+    @property
+    def joins_next(self) -> bool:
+        """See `GameRequest`."""
+        return False
+
     def texts(self) -> Texts:
         """See `GameRequest`."""
         return setting_of(self.study, self.file).texts

@@ -53,6 +53,11 @@ class StudyGame:
     once: bool = True
     windows: frozenset[str] = frozenset()
 
+    @property
+    def joins_next(self) -> bool:
+        """See `GameRequest`."""
+        return False
+
     def participant(self, seat: str) -> TabUI:
         """See `GameRequest`."""
         design = ExperimentFolder(self.folder).read()

@@ -120,6 +120,10 @@ class GameRequest(Protocol):
         """True if only one game is played, and another page follows."""
 
     @property
+    def joins_next(self) -> bool:
+        """True if people who join after the end of a game begin the next game, instead of seeing the result."""
+
+    @property
     def consents(self) -> Mapping[str, str]:
         """Times at which people gave consent, by the names of their seats; empty texts if they were not asked.
 
@@ -242,6 +246,7 @@ class WorkerSeat:
                 request.texts(),
                 practice=request.practice,
                 once=request.once,
+                joins_next=request.joins_next,
                 kept=self._kept,
                 acted=lambda act, view_age: self.gateway.report(PersonActed(act, view_age)),
             )

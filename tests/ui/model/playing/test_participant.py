@@ -74,6 +74,27 @@ def test_a_whole_hunt_by_what_is_offered():
     assert [line.text for line in seat.screen.history] == ["Game 2 begins, with 2 robots and 8 rooms."]
 
 
+@pytest.mark.parametrize("consent", [None, "May we record what you do?"])
+def test_a_participant_who_joins_after_a_game_begins_the_next_one_and_sees_nothing_of_the_last(consent):
+    seat = ScreenPlayer(Participant(joins_next=True), briefing=Briefing(names=("ball",), consent=consent))
+    for game in (1, 2):
+        if consent:
+            assert seat.screen.phase is Phase.CONSENT
+            seat.do(GiveConsentAct())
+        assert (seat.screen.phase, seat.screen.game) == (Phase.PLAYING, game)
+        seat.do(EndGameAct())
+        assert seat.do(Confirm()).phase is Phase.OVER
+        assert seat.run(30).phase is Phase.OVER
+        seat.model = Participant(joins_next=True)
+        seat.model.connected(seat.now)
+        seat.tabui.run = f"program {game}"
+        seat.tabui.connected()
+        phases = set()
+        for _ in range(30):
+            phases.add(seat.run(1).phase)
+        assert Phase.OVER not in phases
+
+
 def test_what_is_chosen_is_talked_about_at_once_and_then_done_by_itself():
     seat = ScreenPlayer()
     seat.model.do(SelectRoomAct(3), seat.now)
