@@ -64,7 +64,9 @@ def test_a_game_without_a_report_loads_nothing_of_analysis_and_of_other_filters(
     arguments = ("play", "--headless", "--no-report", "--port", "0", "--max-seconds", "1", "--bag", "a.bag")
     modules = loaded(tmp_path, *arguments)
     assert "thbridge.app.play" in modules
+    people = "ui.model.playing", "ui.hosting.terminal"
     assert not {name for name in modules if name.startswith(("thbridge.analysis", "matplotlib", "PySide6"))}
+    assert not {name for name in modules if name.startswith(people)}
     assert not {name for name in modules if name.startswith(("filterpy", "scipy.stats", "sim.robot.localization.ekf"))}
 
 

@@ -152,9 +152,6 @@ def play(
     from ui.command_line.story import print_story
     from ui.commands.programs.client import new_token
     from ui.first_start.compiling import compile_ahead
-    from ui.hosting.consent import ask_for_consent
-    from ui.hosting.games import WindowGames, offer_of, play_in_window
-    from ui.hosting.players import player_of_person, teammates_of
 
     files, assignments = changes_of(changes or [])
     # Other programs expect the game of 2016. Our own programs, if they run separately, expect it, too.
@@ -187,6 +184,8 @@ def play(
     check_doors(study, ring, door, graph, graph2)
     check_foxglove(watching.foxglove)
     if windowed:
+        from ui.hosting.games import WindowGames, offer_of, play_in_window
+
         free = study_file is None and language is None and study.dialogue.language == STANDARD.dialogue.language
         languages = shipped_languages() if free else None
         offered = offer_of(setting, given=robots is not None, languages=languages, seat=own_seat)
@@ -208,6 +207,9 @@ def play(
         play_in_window(games, offered, ("--look", look.value))
         return
     if who == PERSON:
+        from ui.hosting.consent import ask_for_consent
+        from ui.hosting.players import player_of_person, teammates_of
+
         START_BAR.close()  # The person types in the line that the bar occupies.
         text = None if legacy.TABUI in others else setting.consent
         agreed = None if text is None else ask_for_consent(setting.texts, text)

@@ -13,7 +13,6 @@ from thbridge.roles.shared.seat_programs import program_of
 from thbridge.roles.shared.view import GiveConsent
 from thbridge.study.study_file import Study
 from ui.command_line.terminal import bad_input, show
-from ui.hosting.terminal_player import TerminalPlayer
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +50,9 @@ def player_of_person(texts: Texts, consent: GiveConsent | None = None, seat: str
         consent: consent of a person who has already agreed to take part.
         seat: name of the person's seat; empty in a game with one participant.
     """
+    # Other players need no view model, and the import would take a tenth of the time until a game begins.
+    from ui.hosting.terminal_player import TerminalPlayer  # noqa: PLC0415
+
     person = TerminalPlayer(show, lambda: tabui.room_names, lambda: tabui.texts or texts)
     tabui = TabUI(person, consent=consent, seat=seat, talk=person.talk.hear)
 

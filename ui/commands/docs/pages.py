@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import sys
 import webbrowser
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from html import escape
 from itertools import pairwise
@@ -87,8 +87,9 @@ def open_in_browser(page: Path | None) -> None:
     folder = cache_folder().parent / "docs"
     written = {path: path.relative_to(root).with_suffix(".html") for path in pages().values()}
     links = "".join(f"* [{_title(path)}]({path.relative_to(root)})\n" for path in written)
-    files = {Path("index.html"): _html(f"# thbridge\n{links}", root)}
-    files |= {name: _html(path.read_text(encoding="utf-8"), path.parent) for path, name in written.items()}
+    resolved = {path.resolve() for path in written}
+    files = {Path("index.html"): _html(f"# thbridge\n{links}", root, resolved)}
+    files |= {name: _html(path.read_text(encoding="utf-8"), path.parent, resolved) for path, name in written.items()}
     for name, text in files.items():
         with whole_file(folder / name, folders=True, synced=False) as file:
             file.write(text.encode())
@@ -135,7 +136,7 @@ def _title_in(text: str) -> str:
     return text.partition("\n")[0].removeprefix("#").strip()
 
 
-def _html(text: str, folder: Path) -> str:
+def _html(text: str, folder: Path, resolved: Collection[Path]) -> str:
     """Return a page as HTML; its links lead to the HTML files of other pages."""
     parser = MarkdownIt("commonmark").enable("table")
     tokens = parser.parse(text)
@@ -144,12 +145,12 @@ def _html(text: str, folder: Path) -> str:
             heading.attrSet("id", _anchor(words.content))
     for token in tokens:
         for inner in token.children or ():
-            _redirect(inner, folder)
+            _redirect(inner, folder, resolved)
     title, body = escape(_title_in(text)), parser.renderer.render(tokens, parser.options, {})
     return f'<!doctype html><meta charset="utf-8"><title>{title}</title><style>{_STYLE}</style>\n{body}'
 
 
-def _redirect(token: Token, folder: Path) -> None:
+def _redirect(token: Token, folder: Path, resolved: Collection[Path]) -> None:
     """Change a link to a page into a link to its HTML file, and a link to another file into its path."""
     name = {"link_open": "href", "image": "src"}.get(token.type)
     target = str(token.attrGet(name)) if name else ""
@@ -157,7 +158,7 @@ def _redirect(token: Token, folder: Path) -> None:
         return
     path, mark, anchor = target.partition("#")
     linked = (folder / path).resolve()
-    if linked in map(Path.resolve, pages().values()):
+    if linked in resolved:
         token.attrSet(name, f"{path.removesuffix('.md')}.html{mark}{anchor}")
     elif linked.exists():
         token.attrSet(name, linked.as_uri())
