@@ -1,7 +1,7 @@
 """The records of MCAP files, as bytes (mcap.dev/spec), with the profile `ros2` as rosbag2 writes it.
 
-Channels have rosbag2's metadata `offered_qos_profiles` and `topic_type_hash`. Schemas and channels are outside the
-chunks, so that a chunk contains messages only.
+Channels have rosbag2's metadata `offered_qos_profiles` and `topic_type_hash`. As in rosbag2's files, schemas and
+channels are in the chunk of their first message. So the checksums of the chunk protect them, too.
 """
 
 import zlib
@@ -11,6 +11,7 @@ from struct import Struct
 
 import zstandard
 
+from thbridge.recording.bag.checksums import block_checksums
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.records import BagConnection, lz4_frame
 
@@ -20,6 +21,11 @@ LIBRARY = "thbridge"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = 1, 2, 3, 4, 5, 6, 7, 8
 ATTACHMENT, STATISTICS, METADATA, METADATA_INDEX, SUMMARY_OFFSET, DATA_END = 9, 11, 12, 13, 14, 15
 """Opcodes of the records that we write or read."""
+CHECKSUMS = 0x81
+"""Opcode of our own record before each chunk, with the `block_checksums` of its packed data.
+
+MCAP reserves the opcodes from 0x80 for applications, and other readers skip them. The chunk's own checksum is for all
+its messages, so it cannot check a part of the chunk."""
 
 U16, U32, U64 = Struct("<H"), Struct("<I"), Struct("<Q")
 HEAD = Struct("<BQ")
@@ -60,7 +66,7 @@ class PackedChunk:
     """Chunk in a file, with the facts for its index record.
 
     Attributes:
-        data: the chunk record and its message indexes.
+        data: the checksums, the chunk record, and its message indexes.
         index: its record in the index at the end of the file.
     """
 
@@ -113,8 +119,8 @@ def packed_chunk(
     """Return a chunk of messages.
 
     Args:
-        position: offset of the chunk in the file.
-        data: the message records.
+        position: offset in the file of the result.
+        data: the schema, channel and message records.
         times: first and last time of the messages, nanoseconds.
         entries: content of the message index of each channel.
         compression: compression of the messages.
@@ -123,6 +129,8 @@ def packed_chunk(
     packed = packed_bytes(data, compression)
     content = CHUNK_TIMES.pack(*times, len(data), zlib.crc32(data)) + _text(name) + U64.pack(len(packed))
     head = HEAD.pack(CHUNK, len(content) + len(packed)) + content
+    checksums = record(CHECKSUMS, block_checksums(packed))
+    position += len(checksums)
     indexes, offsets = [], []
     length = len(head) + len(packed)
     at = position + length
@@ -137,7 +145,7 @@ def packed_chunk(
         + _text(name)
         + Struct("<QQ").pack(len(packed), len(data))
     )
-    return PackedChunk(b"".join((head, packed, *indexes)), record(CHUNK_INDEX, index))
+    return PackedChunk(b"".join((checksums, head, packed, *indexes)), record(CHUNK_INDEX, index))
 
 
 def packed_bytes(data: bytes, compression: Compression) -> bytes:

@@ -13,6 +13,7 @@ from struct import Struct
 import lz4.frame
 from rosbags.rosbag1.reader import RecordType
 
+from thbridge.recording.bag.checksums import block_checksums
 from thbridge.recording.bag.options import Compression
 from thbridge.ros.messages.identification import DefinitionSource
 
@@ -107,9 +108,17 @@ def chunk_record(data: bytes, compression: Compression) -> bytes:
 
 
 def chunk_pieces(data: bytes, compression: Compression) -> tuple[bytes, bytes]:
-    """Return a `chunk_record` in two pieces. A caller that joins it to other records then copies the data only once."""
-    header = _header(RecordType.CHUNK, compression=compression.encode(), size=U32.pack(len(data)))
+    """Return a `chunk_record` in two pieces. A caller that joins it to other records then copies the data only once.
+
+    The field `crc32` of its header has the `block_checksums`. Readers of ROS ignore fields that they do not know.
+    """
     packed = _packed(data, compression)
+    header = _header(
+        RecordType.CHUNK,
+        compression=compression.encode(),
+        size=U32.pack(len(data)),
+        crc32=block_checksums(packed),
+    )
     return header + U32.pack(len(packed)), packed
 
 

@@ -192,9 +192,7 @@ def test_damaged_bytes_cost_no_more_than_their_chunk(
     repaired = reindex(path)
     kept = stored(path)
     assert len(kept) == repaired.messages
-    if compression is not Compression.NONE:
-        # A compressed chunk has a checksum. Names of topics, outside the chunks, have none.
-        assert {each[1:] for each in kept} <= {each[1:] for each in whole}
+    assert set(kept) <= set(whole)
 
 
 def test_bytes_of_zero_behind_the_end_are_no_harm(tmp_path: Path, mcap: Path) -> None:
@@ -308,17 +306,3 @@ def test_random_damage_raises_nothing_but_bad_file(tmp_path: Path, mcap: Path) -
             reindex(path)
         except BadFile:
             continue
-
-
-def test_a_message_that_is_partly_lost_is_not_recovered(tmp_path: Path) -> None:
-    """A power failure can lose the last pages of an incomplete chunk, which then read as zeros."""
-    whole, content = cut_source(Compression.NONE)
-    end = content.index(whole[-1][2])
-    chance = random.Random(3)
-    for number in range(10):
-        place = chance.randrange(len(content) // 2, end)
-        path = tmp_path / f"{number}.mcap.active"
-        path.write_bytes(content[:place] + bytes(len(content) - place))
-        reindex(path)
-        kept = stored(tmp_path / f"{number}.mcap")
-        assert kept == whole[: len(kept)] and len(kept) > 50

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rosbags.rosbag1.reader import Header, RecordType, read_bytes, read_uint32
 
+from thbridge.recording.bag.checksums import intact_bytes
 from thbridge.recording.bag.damage import damage_as_bad_file, damaged
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.records import INDEX_ENTRY_BYTES, U32
@@ -57,12 +58,13 @@ class ChunkInfo:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Packed:
-    """Position, size and compression of a chunk's data in the file, and the unpacked size."""
+    """Position, size and compression of a chunk's data in the file, the unpacked size, and the checksums if any."""
 
     position: int
     size: int
     compression: str
     unpacked: int
+    checksums: bytes | None
 
     @property
     def plain(self) -> bool:
@@ -172,7 +174,9 @@ class ChunkReader:
             compression, size = head.get_string("compression"), read_uint32(file)
             if compression not in COMPRESSIONS:
                 raise ValueError(f"compression {compression!r} is unknown")
-            known = self._packed[chunk] = _Packed(file.tell(), size, compression, head.get_uint32("size"))
+            known = self._packed[chunk] = _Packed(
+                file.tell(), size, compression, head.get_uint32("size"), head.get("crc32")
+            )
         return known
 
     def _message_alone(self, chunk: ChunkInfo, packed: _Packed, offset: int) -> bytes:
@@ -192,7 +196,10 @@ class ChunkReader:
         file = self._files[chunk.file]
         with damage_as_bad_file(self._parts[chunk.file]):
             file.seek(packed.position)
-            known = unpacked(packed.compression, read_bytes(file, packed.size), packed.unpacked)
+            data = read_bytes(file, packed.size)
+            if packed.checksums is not None and intact_bytes(data, packed.size, packed.checksums) < packed.size:
+                raise ValueError("the checksum of a chunk is wrong")
+            known = unpacked(packed.compression, data, packed.unpacked)
             if not packed.plain and len(known) < packed.unpacked:
                 raise ValueError("a packed chunk ends too early")
             if chunk not in self._counted:

@@ -16,8 +16,10 @@ from mcap.records import Channel, Schema
 
 from thbridge.files.disk.regular_files import open_regular
 from thbridge.files.errors import BadFile
+from thbridge.recording.bag.checksums import intact_bytes
 from thbridge.recording.bag.mcap_records import (
     CHANNEL,
+    CHECKSUMS,
     CHUNK,
     CHUNK_TIMES,
     DATA_END,
@@ -44,10 +46,15 @@ class _Torn(Exception):  # noqa: N818 - not an error of the program
     """The file cannot be read at this point."""
 
 
+_TORN = (_Torn, McapError, struct.error, ValueError, LookupError, OSError, RuntimeError, EOFError)
+"""Errors of damaged records."""
+
+
 def scan_mcap(path: Path) -> Iterator[McapRecord]:
     """Yield the connections, chunks and messages in the file's order; damaged bytes become an `UnreadableSpan`.
 
-    The readable part of a chunk that is cut off is yielded. Of a compressed chunk with a wrong checksum, nothing is.
+    Messages are yielded only from the blocks of a chunk before the first block with a wrong checksum. Older recordings
+    have no checksums of blocks: if the checksum of such a chunk is wrong, none of its messages is yielded.
 
     Raises:
         BadFile: the file does not exist, or thbridge did not record it.
@@ -79,9 +86,9 @@ def _check_header(path: Path, file: BinaryIO, end: int) -> None:
 
 
 def _records(file: BinaryIO, end: int) -> Iterator[McapRecord]:
-    schemas: dict[int, Schema] = {}
-    known: set[int] = set()
+    connections = _Connections()
     so_far = UnpackedBytes(end)
+    checksums: bytes | None = None
     at = file.tell()
     while at < end:
         head = file.read(HEAD.size)
@@ -91,60 +98,86 @@ def _records(file: BinaryIO, end: int) -> Iterator[McapRecord]:
         opcode, size = HEAD.unpack(head)
         if opcode == DATA_END:
             return
-        if opcode not in {SCHEMA, CHANNEL, CHUNK, MESSAGE_INDEX}:
+        if opcode not in {SCHEMA, CHANNEL, CHECKSUMS, CHUNK, MESSAGE_INDEX}:
             yield UnreadableSpan(at, end - at, f"{opcode} is not a kind of record")
             return
         content, at_end = file.read(min(size, end)), at + HEAD.size + size
         try:
             if opcode == CHUNK:
-                yield from _chunk(at, content, size, known, so_far)
+                yield from _chunk(at, content, size, checksums, connections, so_far)
             elif at_end > end:
                 raise _Torn(f"the file ends {at_end - end} bytes too early")
-            elif opcode == SCHEMA:
-                schema = Schema.read(_stream(content))
-                schemas[schema.id] = schema
-            elif opcode == CHANNEL:
-                channel = Channel.read(_stream(content))
-                yield _connection(channel, schemas)
-                known.add(channel.id)
-        except (_Torn, McapError, struct.error, ValueError, LookupError, OSError, RuntimeError, EOFError) as torn:
+            elif (connection := connections.read(opcode, content)) is not None:
+                yield connection
+            checksums = content if opcode == CHECKSUMS else None
+        except _TORN as torn:
             yield UnreadableSpan(at, min(at_end, end) - at, str(torn) or "a record cannot be read")
+        if at_end > end:
+            return
         at = file.seek(at_end)
 
 
-def _chunk(at: int, content: bytes, size: int, known: set[int], so_far: UnpackedBytes) -> Iterator[McapRecord]:
+class _Connections:
+    """Connections of a file, from the records of its schemas and channels."""
+
+    def __init__(self) -> None:
+        self._schemas: dict[int, Schema] = {}
+        self._known: set[int] = set()
+
+    def __contains__(self, number: int) -> bool:
+        return number in self._known
+
+    def read(self, opcode: int, content: bytes) -> ConnectionRecord | None:
+        """Return the connection of a channel; return None for other records."""
+        if opcode == SCHEMA:
+            schema = Schema.read(_stream(content))
+            self._schemas[schema.id] = schema
+        if opcode != CHANNEL:
+            return None
+        channel = Channel.read(_stream(content))
+        connection = _connection(channel, self._schemas)
+        self._known.add(channel.id)
+        return connection
+
+
+def _chunk(
+    at: int, content: bytes, size: int, checksums: bytes | None, connections: _Connections, so_far: UnpackedBytes
+) -> Iterator[McapRecord]:
     _, _, length, crc = CHUNK_TIMES.unpack_from(content)
-    name, packed, begin = _text(content, CHUNK_TIMES.size)
-    (packed_size,) = U64.unpack_from(packed, begin)
-    packed = packed[begin + U64.size :]
+    name, _, begin = _text(content, CHUNK_TIMES.size)
+    (packed_size,) = U64.unpack_from(content, begin)
+    packed = content[begin + U64.size :]
     compression = Compression(name) if name else Compression.NONE
+    whole = len(packed) if compression is Compression.NONE else length
     yield ChunkRecord(at, compression, packed_size, length, None)
+    if checksums is not None:
+        packed = packed[: intact_bytes(packed, packed_size, checksums)]
     data = unpacked_zstd(packed, length) if compression is Compression.ZSTD else unpacked(compression, packed, length)
     so_far.add(len(data))
-    is_wrong = len(content) == size and len(data) == length and zlib.crc32(data) != crc
-    if is_wrong and compression is not Compression.NONE:
+    if checksums is None and len(data) == length and zlib.crc32(data) != crc:
         raise _Torn("the checksum of a chunk is wrong")
-    place, last, waiting = 0, 0, None
-    while place + MESSAGE_HEAD.size <= len(data):
-        opcode, message_size, channel, _, stamp_ns, _ = MESSAGE_HEAD.unpack_from(data, place)
-        after = place + HEAD.size + message_size
-        if opcode != MESSAGE or channel not in known or after > len(data) or after < place + MESSAGE_HEAD.size:
+    place = 0
+    while place + HEAD.size <= len(data):
+        opcode, record_size = HEAD.unpack_from(data, place)
+        after = place + HEAD.size + record_size
+        if after > len(data):
             break
-        if waiting is not None:
-            yield waiting
-        waiting = MessageRecord(channel, stamp_ns, data[place + MESSAGE_HEAD.size : after])
-        last, place = place, after
-    if is_wrong:
-        place = last  # After a power failure, the last message before lost bytes may be partly lost, too.
-    elif waiting is not None:
-        yield waiting
-    if place < length:
-        lost = (len(data) if compression is Compression.NONE else length) - place
+        if opcode != MESSAGE:
+            connection = connections.read(opcode, data[place + HEAD.size : after])
+            if connection is not None:
+                yield connection
+        else:
+            _, _, channel, _, stamp_ns, _ = MESSAGE_HEAD.unpack_from(data, place)
+            if channel not in connections or after < place + MESSAGE_HEAD.size:
+                break
+            yield MessageRecord(channel, stamp_ns, data[place + MESSAGE_HEAD.size : after])
+        place = after
+    if place < whole:
         missing = size - len(content)
-        problem = "a chunk ends in the middle of a record, or its checksum is wrong"
+        problem = "the checksum of a chunk is wrong, or a record in it cannot be read"
         if missing > 0:
             problem = f"the file ends {missing} bytes too early"
-        yield UnreadableSpan(at, lost, problem)
+        yield UnreadableSpan(at, whole - place, problem)
 
 
 def _connection(channel: Channel, schemas: dict[int, Schema]) -> ConnectionRecord:

@@ -13,6 +13,7 @@ from typing import BinaryIO
 
 from rosbags.rosbag1.reader import RecordType
 
+from thbridge.recording.bag.checksums import intact_bytes
 from thbridge.recording.bag.damage import MAGIC, VERSION, check_is_bag
 from thbridge.recording.bag.ros2 import as_ros1
 from thbridge.recording.bag.unpacking import UnpackedBytes, unpacked
@@ -173,8 +174,9 @@ def scan(path: Path) -> Iterator[BagRecord]:
     """Yield every record in the file's order; damaged bytes become an `UnreadableSpan`.
 
     The readable part of a chunk that is cut off or damaged is yielded. After an invalid record the scan continues with
-    the next record, also inside chunks, unless the lengths of the record are invalid. A message of a chunk is not
-    yielded if unreadable bytes follow it: uncompressed chunks have no checksum, so its end may be lost, too.
+    the next record, also inside chunks, unless the lengths of the record are invalid. Messages are yielded only from
+    the blocks of a chunk before the first block with a wrong checksum. Bags of other programs have no checksums: from
+    these, a message is not yielded if unreadable bytes follow it, because its end may be lost, too.
 
     Raises:
         BadFile: the file does not exist, or does not begin like a bag.
@@ -200,7 +202,7 @@ def scan(path: Path) -> Iterator[BagRecord]:
                 return
             try:
                 data = file.read(size)
-                yield from _outer(at, kind, fields, data, so_far, is_followed=_is_followed(file, end))
+                yield from _outer(at, kind, fields, data, size, so_far, is_followed=_is_followed(file, end))
             except (_Torn, OSError) as torn:
                 yield UnreadableSpan(at, after - at, str(torn))
             at = file.seek(after)
@@ -225,7 +227,7 @@ def _cut_off(
     if kind == RecordType.CHUNK:
         lost = 0
         try:
-            for record in _outer(at, kind, fields, data, so_far, is_cut=True):
+            for record in _outer(at, kind, fields, data, size, so_far, is_cut=True):
                 if isinstance(record, UnreadableSpan):
                     lost += record.lost
                 else:
@@ -240,6 +242,7 @@ def _outer(
     kind: int,
     fields: dict[bytes, bytes],
     data: bytes,
+    length: int,
     so_far: UnpackedBytes,
     *,
     is_cut: bool = False,
@@ -262,26 +265,36 @@ def _outer(
             size = _unpack(_UINT32, fields, b"size")
             flags = data[_LZ4_FLAGS] if compression == "lz4" and len(data) > _LZ4_FLAGS else None
             yield ChunkRecord(at, compression, len(data), size, flags)
-            yield from _chunk(at, compression, data, size, so_far, is_cut, is_followed or compression != "none")
+            checksums = fields.get(b"crc32")
+            intact = len(data) if checksums is None else intact_bytes(data, length, checksums)
+            is_followed = is_followed or checksums is not None or compression != "none"
+            yield from _chunk(at, compression, data, intact, size, so_far, is_cut, is_followed)
         case RecordType.CHUNK_INFO:
             start, end = _time(fields, b"start_time"), _time(fields, b"end_time")
             counts = dict(_PAIR.iter_unpack(data[: len(data) // 8 * 8]))
             yield ChunkInfoRecord(_unpack(_UINT64, fields, b"chunk_pos"), start, end, counts)
         case RecordType.CONNECTION:
             yield _connection(fields, data)
-        case RecordType.MSGDATA:
-            yield MessageRecord(_unpack(_UINT32, fields, b"conn"), _time(fields, b"time"), data)
         case RecordType.IDXDATA:
             yield IndexDataRecord(_unpack(_UINT32, fields, b"conn"), _unpack(_UINT32, fields, b"count"))
         case _:
-            raise _Torn(f"{kind} is not a kind of record")
+            raise _Torn(f"a record of kind {kind} cannot be outside a chunk")
 
 
 def _chunk(
-    at: int, compression: str, packed: bytes, size: int, so_far: UnpackedBytes, is_cut: bool, is_followed: bool
+    at: int,
+    compression: str,
+    packed: bytes,
+    intact: int,
+    size: int,
+    so_far: UnpackedBytes,
+    is_cut: bool,
+    is_followed: bool,
 ) -> Iterator[BagRecord]:
+    damage = "the checksum of a chunk is wrong" if intact < len(packed) else ""
+    is_cut = is_cut or bool(damage)
     try:
-        data = unpacked(compression, packed, size)
+        data = unpacked(compression, packed[:intact], size)
         so_far.add(len(data))
         if len(data) < size and not is_cut and compression != "none":
             # For a stream that ends early, a decompressor returns data without an error and without a check.
@@ -289,7 +302,7 @@ def _chunk(
     except (OSError, RuntimeError, EOFError, ValueError, MemoryError) as error:
         yield UnreadableSpan(at, len(packed), f"a chunk cannot be unpacked ({error})")
         return
-    place, problem = 0, "a packed chunk ends too early"
+    place, problem = 0, damage or "a packed chunk ends too early"
     odd, odd_bytes = "", 0
     waiting: MessageRecord | None = None
     begin = 0
@@ -316,7 +329,7 @@ def _chunk(
                 waiting = None
             place = place_after
     except _Torn as torn:
-        problem = str(torn)
+        problem = damage or str(torn)
         if waiting is not None and not (is_cut and _begins_record(data, place)):
             place, waiting = begin, None
     if waiting is not None and not is_followed:
@@ -326,7 +339,7 @@ def _chunk(
     if odd:
         yield UnreadableSpan(at, odd_bytes, odd)
     # For a stream that is cut off, a decompressor returns the available data without an error.
-    whole = len(data) if compression == "none" else size
+    whole = len(packed) if compression == "none" else size
     if place < whole:
         yield UnreadableSpan(at, whole - place, problem)
 

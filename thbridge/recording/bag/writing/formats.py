@@ -111,7 +111,7 @@ class Ros1BagFormat:
 
 
 class McapFormat:
-    """MCAP with the profile `ros2`. Connections are written before the chunk of their first message."""
+    """MCAP with the profile `ros2`. Each chunk begins with the records of its new connections."""
 
     layout = MCAP
     beginning = mcap_records.header()
@@ -121,15 +121,15 @@ class McapFormat:
     def packed(
         self, position: int, chunk: Chunk, known: Collection[BagConnection], compression: Compression
     ) -> ChunkOfFile:
-        """Return the new schemas and channels, a chunk, and its message indexes."""
+        """Return a chunk with its message indexes."""
         new = [connection for connection in chunk.entries if connection not in known]
         head = mcap_records.connection_records(new, known) if new else b""
-        entries = {connection.number: entry for connection, entry in chunk.entries.items()}
+        entries = {connection.number: chunk.moved_entries(connection, len(head)) for connection in chunk.entries}
         times = chunk.start_ns, chunk.end_ns
-        packed = mcap_records.packed_chunk(position + len(head), chunk.data, times, entries, compression)
+        packed = mcap_records.packed_chunk(position, head + chunk.data, times, entries, compression)
         # The statistics have 10 bytes for each connection.
         index_bytes = len(head) + len(packed.index) + 10 * len(new) + (0 if known else mcap_records.END_BYTES)
-        return ChunkOfFile(head + packed.data, packed.index, index_bytes)
+        return ChunkOfFile(packed.data, packed.index, index_bytes)
 
     def end(
         self,
