@@ -9,6 +9,7 @@ import typer
 
 from ui.command_line.groups import CommandGroup, SharingGroup, group
 from ui.command_line.outputs import keep_to_owner
+from ui.command_line.signals import ended_like_ctrl_c
 from ui.command_line.terminal import (
     escape_for_standard_output,
     forgive_standard_error,
@@ -161,5 +162,5 @@ def main() -> None:
     forgive_standard_error()
     escape_for_standard_output()
     logging.basicConfig(level=logging.WARNING, format="%(message)s", handlers=[NoteHandler()])
-    with whole_standard_output():
+    with ended_like_ctrl_c(), whole_standard_output():
         app()

@@ -1,4 +1,4 @@
-"""Loop of a program, which runs ticks in wall time until the last tick, Ctrl-C or SIGTERM."""
+"""Loop of a program, which runs ticks in wall time until the last tick, or a signal: Ctrl-C, SIGTERM or SIGHUP."""
 
 import asyncio
 import gc
@@ -7,7 +7,8 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from contextvars import ContextVar
+from dataclasses import dataclass, field
 
 from thbridge.timing.pacer import Pacer
 
@@ -25,7 +26,7 @@ class LoopResult:
     """Result of a loop.
 
     Attributes:
-        finished: True if the last tick was reached, False if the program was stopped (Ctrl-C, SIGTERM).
+        finished: True if the last tick was reached, False if a signal stopped the program.
         seconds: wall time of the loop.
     """
 
@@ -37,8 +38,29 @@ def _pass() -> None:
     """Do nothing."""
 
 
+@dataclass(slots=True)
+class _Stop:
+    """Request to stop, with the functions that it calls."""
+
+    event: asyncio.Event
+    task: asyncio.Task[object] | None
+    calls: list[Callable[[], None]] = field(default_factory=list)
+
+    def request(self) -> None:
+        """Request to stop. A second request also ends what the program waits for before and after its loops."""
+        if self.event.is_set() and not self.calls and self.task is not None:
+            self.task.cancel()
+        self.event.set()
+        for call in (*self.calls,):
+            call()
+
+
+_requested: ContextVar[_Stop | None] = ContextVar("requested", default=None)
+"""The `stopping` block around the running code; None if there is none."""
+
+
 async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> LoopResult:
-    """Run ticks until `tick` returns False. After Ctrl-C or SIGTERM, run one more tick.
+    """Run ticks until `tick` returns False. After Ctrl-C, SIGTERM or SIGHUP, run one more tick.
 
     This last tick reads and records all pending inputs. After a pause, there can be many pending inputs.
 
@@ -58,20 +80,48 @@ async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> LoopResult:
 
 @contextmanager
 def stopping(on_stop: Callable[[], None] = _pass) -> Iterator[asyncio.Event]:
-    """Yield an event. Ctrl-C and SIGTERM set this event and call `on_stop`, but do not end the program at once."""
-    loop = asyncio.get_running_loop()
-    stopped = asyncio.Event()
+    """Yield an event. Ctrl-C, SIGTERM and SIGHUP set this event and call `on_stop`, but do not end the program at once.
 
-    def stop() -> None:
-        stopped.set()
+    A program begins this block before it opens ports and files, and ends it after closing them. So a signal at any time
+    ends the program like a signal during its loop. Inner blocks share the event: a loop that begins after the signal
+    runs one tick.
+    """
+    stop = _requested.get()
+    if stop is None:
+        with _handling() as stop:
+            yield from _shared(stop, on_stop)
+    else:
+        yield from _shared(stop, on_stop)
+
+
+def _shared(stop: _Stop, on_stop: Callable[[], None]) -> Iterator[asyncio.Event]:
+    if on_stop is _pass:
+        yield stop.event
+        return
+    if stop.event.is_set():
         on_stop()
-
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    for number in before:
-        loop.add_signal_handler(number, stop)
+    stop.calls.append(on_stop)
     try:
-        yield stopped
+        yield stop.event
     finally:
+        stop.calls.remove(on_stop)
+
+
+@contextmanager
+def _handling() -> Iterator[_Stop]:
+    """Handle signals as requests to stop. A SIGHUP that the program ignores (nohup) stays ignored."""
+    loop = asyncio.get_running_loop()
+    stop = _Stop(asyncio.Event(), asyncio.current_task())
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    if before[signal.SIGHUP] is signal.SIG_IGN:
+        del before[signal.SIGHUP]
+    for number in before:
+        loop.add_signal_handler(number, stop.request)
+    token = _requested.set(stop)
+    try:
+        yield stop
+    finally:
+        _requested.reset(token)
         for number, handler in before.items():
             loop.remove_signal_handler(number)
             signal.signal(number, handler)

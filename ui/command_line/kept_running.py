@@ -16,7 +16,7 @@ from ui.command_line.terminal import FAILED, fail, note
 
 MOST_DEATHS, WITHIN = 30, 60.0
 """Number of deaths within this number of seconds after which the server is not started again."""
-_STOPS = (signal.SIGINT, signal.SIGTERM)
+_STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def keep_running() -> bool:
@@ -33,9 +33,11 @@ def keep_running() -> bool:
     deaths: list[float] = []
     while True:
         alive, pulse = os.pipe()
+        signal.pthread_sigmask(signal.SIG_BLOCK, _STOPS)  # Until both processes can handle them.
         child = os.fork()
         if child == 0:
             os.close(pulse)
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOPS)
             threading.Thread(target=_die_with_parent, args=(alive,), daemon=True).start()
             return not deaths
         os.close(alive)
@@ -54,14 +56,16 @@ def keep_running() -> bool:
 
 
 def _ended(child: int) -> int:
-    """Wait for a child; return its status. Ctrl-C is for the child alone."""
+    """Wait for a child; return its status. Ctrl-C and the end of the terminal are for the child alone."""
 
     def pass_on(number: int, _frame: FrameType | None) -> None:
         os.kill(child, number)
 
     before = {number: signal.getsignal(number) for number in _STOPS}
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, pass_on)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOPS)
     try:
         return os.waitpid(child, 0)[1]
     finally:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ui.command_line.options import ColourScheme, LookOption, OpenTo, Scheduler, SeatName
+from ui.command_line.signals import INTERRUPTED
 from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note
 
 if TYPE_CHECKING:
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
     from ui.web.pool.joined_game import JoinedGame
     from ui.web.pool.pool import RemoteHosts
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C."""
 GAMES_PER_CORE = 6
 """Games of three robots with which 95 % of all acts have their effect on the page within 0.1 s; see
 `scripts/measure_browser_games.py`."""
@@ -240,7 +239,7 @@ def serve(
             make_folder(bags)
             return bags / f"{secrets.token_hex(6)}.bag"
 
-        run(serve_games(study, served, new_bag, note, chosen, joined))
+        run(serve_games(study, served, new_bag, note, chosen, joined), handles_signals=True)
 
 
 def _serve_folder(
@@ -279,7 +278,7 @@ def _serve_folder(
             note(trouble)
         code = 0
         try:
-            run(serve_study(place, design, conductor, clock, note, chosen, codes, window))
+            run(serve_study(place, design, conductor, clock, note, chosen, codes, window), handles_signals=True)
         except (KeyboardInterrupt, typer.Exit) as ended:
             if window is None or not window.left_open:
                 raise

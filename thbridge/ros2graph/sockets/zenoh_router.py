@@ -59,17 +59,17 @@ async def zenoh_router(
 async def serve(
     address: Address, ready: Callable[[ListeningAddress | CannotListen], None], admission: Admission = OWN_MACHINE
 ) -> None:
-    """Run a router until Ctrl-C or SIGTERM.
+    """Run a router until Ctrl-C, SIGTERM or SIGHUP.
 
     Args:
         address: see `zenoh_router`.
         ready: called with the address, or with the reason for a failure.
         admission: see `zenoh_router`.
     """
-    async with zenoh_router(address, admission) as where:
-        ready(where)
-        if isinstance(where, ListeningAddress):
-            with stopping() as stopped:
+    with stopping() as stopped:
+        async with zenoh_router(address, admission) as where:
+            ready(where)
+            if isinstance(where, ListeningAddress):
                 await stopped.wait()
 
 

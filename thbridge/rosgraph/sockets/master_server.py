@@ -161,7 +161,7 @@ async def serve(
     ready: Callable[[ListeningAddress | CannotListen], None],
     admission: Admission = OWN_MACHINE,
 ) -> None:
-    """Run the programs of roscore (master and rosout) until Ctrl-C, SIGTERM, or a node's call of ``shutdown``.
+    """Run the programs of roscore (master and rosout) until Ctrl-C, SIGTERM, SIGHUP, or a node's call of ``shutdown``.
 
     Args:
         host: see `MasterServer`.
@@ -170,22 +170,22 @@ async def serve(
         admission: decides by address which callers are accepted.
     """
     master = MasterServer(host, port, admission=admission)
-    where = await master.start()
-    ready(where)
-    if isinstance(where, CannotListen):
-        return
-    rosout = rosout_node(master.uri, where.host, admission)
-    if ":" in where.host:
-        _log.warning("/rosout_agg is not published: nodes support only IPv4")
-    elif isinstance(cannot := await rosout.start(), CannotListen):
-        _log.warning("/rosout_agg is not published: %s", cannot)
     with stopping() as stopped:
+        where = await master.start()
+        ready(where)
+        if isinstance(where, CannotListen):
+            return
+        rosout = rosout_node(master.uri, where.host, admission)
+        if ":" in where.host:
+            _log.warning("/rosout_agg is not published: nodes support only IPv4")
+        elif isinstance(cannot := await rosout.start(), CannotListen):
+            _log.warning("/rosout_agg is not published: %s", cannot)
         endings = [asyncio.ensure_future(ending) for ending in (stopped.wait(), master.stopped())]
         await asyncio.wait(endings, return_when=asyncio.FIRST_COMPLETED)
         for ending in endings:
             ending.cancel()
-    await rosout.stop()
-    await master.stop()
+        await rosout.stop()
+        await master.stop()
 
 
 @lru_cache(16)

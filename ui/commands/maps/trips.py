@@ -17,7 +17,6 @@ from thbridge.offline.kept_trips import KeptTrips, digest_of, kept_path
 from thbridge.offline.measure import MeasurementSetup, RoomTrip, TripResult, TripTimes, by_pair, drive, trips
 from thbridge.study.plugins import part_keys
 from ui.command_line.terminal import FAILED, fail, note, out
-from ui.commands.sweep.engines import stopped_by_sigterm
 
 
 def measure_trips(
@@ -54,8 +53,7 @@ def measure_trips(
                 f"{len(done)} of {len(wanted)} trips are known from an earlier run ({kept.path}). Measuring the others."
             )
         try:
-            with stopped_by_sigterm():
-                return by_pair(_driven(course, wanted, done, kept, jobs, tell).values())
+            return by_pair(_driven(course, wanted, done, kept, jobs, tell).values())
         except KeyboardInterrupt:
             fail(FAILED, f"Stopped. {len(kept.done)} trips are kept in {kept.path}; continue with {again}.")
 

@@ -16,7 +16,6 @@ from thbridge.experiment.rehearsal.power import LEVEL, PowerEstimate, PowerQuest
 from thbridge.files.errors import BadFile
 from thbridge.files.progress import Tell
 from ui.command_line.terminal import out, print_json, say
-from ui.commands.sweep.engines import stopped_by_sigterm
 
 ENOUGH = 0.8
 """Usual target value of a study's power."""
@@ -68,7 +67,7 @@ def estimate_shown(
     tasks: Sequence[PowerTask], engine: Engine[PowerTask], tell: Tell
 ) -> Mapping[bool, Sequence[PowerEstimate]]:
     """Run the rehearsals; `tell` receives the progress. See `estimate_power`."""
-    with stopped_by_sigterm(), engine:
+    with engine:
         return estimate_power(tasks, engine, lambda done: tell("rehearsals", done, len(tasks)))
 
 

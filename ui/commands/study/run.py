@@ -3,9 +3,7 @@
 import asyncio
 import os
 import secrets
-import signal
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from itertools import chain
 from pathlib import Path
 
@@ -65,7 +63,12 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
         log = ExperimentLog(place.log)
     window, code = kiosk_process(folder, look, program, windowed=windowed), 0
     try:
-        with log, MarkerStream(design.file.title, wanted=design.file.markers) as markers, bad_input(FAILED):
+        with (
+            suppress(KeyboardInterrupt),
+            log,
+            MarkerStream(design.file.title, wanted=design.file.markers) as markers,
+            bad_input(FAILED),
+        ):
             conductor = Conductor(design, log, markers.stamping(clock), secrets.randbelow)
             conductor.listeners.append(markers.push)
             for trouble in markers.troubles:
@@ -82,8 +85,7 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
                 if desk
                 else None
             )
-            with suppress(KeyboardInterrupt), _stopped_like_ctrl_c():
-                asyncio.run(_run(host, beside, folder))
+            asyncio.run(_run(host, beside, folder))
         if window.given_up:
             fail(FAILED, "The window crashes each time it is opened. All answers are saved.")
     except typer.Exit as failed:
@@ -125,16 +127,3 @@ async def _keep_desk(desk: Desk, folder: Path) -> None:
     except (DeskFailed, BadFile, OSError) as error:
         watch = command("study", "watch", folder)
         note(f"The desk has failed: {error}. The study continues without it. Watch the study with `{watch}`.")
-
-
-@contextmanager
-def _stopped_like_ctrl_c() -> Iterator[None]:
-    """Handle SIGTERM and SIGHUP (end of the terminal) like Ctrl-C, which asyncio handles."""
-    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
-    for number in before:
-        signal.signal(number, lambda _number, _frame: signal.raise_signal(signal.SIGINT))
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

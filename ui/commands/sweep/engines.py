@@ -1,8 +1,6 @@
 """Engine of a batch, as chosen by options."""
 
-import signal
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 
 from thbridge.batch.engines.engine import Engine, EngineFailed, TaskT
@@ -49,13 +47,3 @@ def chosen_engine(options: EngineOptions, warm: Sequence[str], log: Path) -> Eng
         fail(FAILED, f"--engine {kind}: {missing.name} is not installed. Run: pip install 'thbridge[cluster]'")
     except EngineFailed as reason:
         fail(FAILED, str(reason))
-
-
-@contextmanager
-def stopped_by_sigterm() -> Iterator[None]:
-    """Handle SIGTERM like Ctrl-C, because batch systems send SIGTERM before they kill a process."""
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)

@@ -10,7 +10,6 @@ from thbridge.batch.sweep import SweepProgress, run_sweep
 from thbridge.batch.tasks import SweepTask
 from thbridge.files.progress import Tell
 from ui.command_line.terminal import note
-from ui.commands.sweep.engines import stopped_by_sigterm
 
 
 def run_shown(
@@ -29,5 +28,5 @@ def run_shown(
         for fault in faults:
             note(fault)
 
-    with stopped_by_sigterm(), engine:
+    with engine:
         return run_sweep(design, folder, engine, shard, retry=retry, progress=progress)
