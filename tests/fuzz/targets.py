@@ -52,6 +52,7 @@ from thbridge.mavlink.wire.frames.signing import KnownTimestamps
 from thbridge.mavlink.wire.tlog import Tlog
 from thbridge.mavlink.wire.traffic import Traffic
 from thbridge.recording.bag import ros2
+from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.reading.scan import scan
 from thbridge.recording.bag.repair import reindex
@@ -132,7 +133,7 @@ def _other_recordings() -> dict[str, bytes]:
         folder = Path(made)
         (folder / "a.bag").write_bytes(content(_recording()))
         to_mcap(folder / "a.bag", folder / "ros1.mcap", "none")
-        to_ros2(folder / "a.bag", folder / "ros2", packed=False)
+        to_ros2(folder / "a.bag", folder / "ros2", Compression.NONE)
         files = [folder / "ros1.mcap", *(folder / "ros2").iterdir()]
         return {file.relative_to(folder).as_posix(): file.read_bytes() for file in files}
 

@@ -28,6 +28,7 @@ from thbridge.batch.folder import open_folder
 from thbridge.batch.sweep import tasks_of
 from thbridge.files.keys.key_ring import Right
 from thbridge.files.tables.table_files import TableFormat
+from thbridge.recording.bag.options import Compression
 
 WATCH_KEY = "watch-key-a4c1d7e09b23"
 PASSPHRASE = "signing passphrase 7f3e91"
@@ -128,7 +129,7 @@ def test_keys_are_nowhere_but_in_their_files(tmp_path: Path, keys: Path) -> None
                 program.close()
     bag = tmp_path / "a.bag"
     to_mcap(bag, tmp_path / "a.mcap", "none")
-    to_ros2(bag, tmp_path / "ros2", packed=False)
+    to_ros2(bag, tmp_path / "ros2", Compression.NONE)
     export_bag(bag, tmp_path / "tables", (TableFormat.CSV,))
     files = written(tmp_path, keys, folder / "maria.key", folder / "certificate.pem")
     assert {path.suffix for path, _ in files} >= {".bag", ".tlog", ".html", ".jsonl", ".txt", ".mcap", ".csv", ".json"}

@@ -17,11 +17,13 @@ from ruamel.yaml import YAML
 from tests.support.bags import foreign_bags
 from tests.support.bags.bags_with_faults import clean, write
 from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
+from tests.support.hunts.recorded_hunts import STUDY, record
 from tests.support.programs.commands import invoke
 from thbridge.analysis.to_mcap import to_mcap
 from thbridge.analysis.to_ros2 import to_ros2
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.errors import BadFile
+from thbridge.recording.bag.options import MCAP_COMPRESSIONS, Compression
 from thbridge.recording.bag.reading.reader import info, recorded
 from thbridge.recording.bag.ros2 import converted
 from thbridge.recording.bag.writing.writer import BagWriter
@@ -46,12 +48,29 @@ def messages_of_ros2(folder: Path) -> list[tuple[str, int, bytes]]:
         return sorted((connection.topic, stamp, bytes(data)) for connection, stamp, data in reader.messages())
 
 
-@pytest.mark.parametrize("packed", [True, False])
-def test_the_mcap_projects_reader_of_ros_2_reads_every_message(tmp_path: Path, hunt: Path, packed: bool) -> None:
-    done = to_ros2(hunt, tmp_path / "hunt", packed)
+def test_the_file_is_that_of_the_same_session_recorded_for_ros_2(tmp_path: Path) -> None:
+    for name in ("hunt.bag", "recorded"):
+        record(tmp_path / name, STUDY, 5.0)
+    done = to_ros2(tmp_path / "hunt.bag", tmp_path / "converted", STUDY.recording.compression)
+    assert done.left_out == () and done.broken == 0
+    assert "/rosout" in {topic.name for topic in info(done.path).topics}
+    assert {path.name for path in done.path.iterdir()} == {"converted_0.mcap", "metadata.yaml"}
+    recorded_mcap, converted_mcap = (tmp_path / name / f"{name}_0.mcap" for name in ("recorded", "converted"))
+    assert recorded_mcap.read_bytes() == converted_mcap.read_bytes()
+    recorded_facts, converted_facts = (
+        (tmp_path / name / "metadata.yaml").read_text() for name in ("recorded", "converted")
+    )
+    assert recorded_facts.replace("recorded_0", "converted_0") == converted_facts
+
+
+@pytest.mark.parametrize("compression", MCAP_COMPRESSIONS)
+def test_the_mcap_projects_reader_of_ros_2_reads_every_message(
+    tmp_path: Path, hunt: Path, compression: Compression
+) -> None:
+    done = to_ros2(hunt, tmp_path / "hunt", compression)
     assert done.left_out == ()
     before = list(recorded(hunt))
-    with (done.path / "hunt.mcap").open("rb") as file:
+    with (done.path / "hunt_0.mcap").open("rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
         assert reader.get_header().profile == "ros2"
         decoded = [

@@ -36,6 +36,8 @@ CHUNK_TIMES = Struct("<QQQI")
 """Beginning of a chunk's content: first and last time, size of the unpacked messages, and their CRC-32."""
 INDEX_ENTRY_BYTES = 16
 """Size of a message in a message index: time of recording and offset."""
+MOST_CHANNELS = 65535
+"""Largest number of channels, which are counted from 1."""
 _STATISTICS = Struct("<QHIIIIQQ")
 _ZSTD_LEVEL = 3
 """zstd's default level. It packs about three times as fast as level 6, which saves 3 %."""

@@ -173,11 +173,11 @@ def bag_to_mcap(
 
     share_no_output(new, as_json)
     if profile is Profile.ROS2:
-        if new == STANDARD_OUTPUT or overwrite or compression is Packing.LZ4:
-            problem = "a rosbag2 folder must be new and on the disk, and its compression must be zstd or none"
-            fail(BAD_INPUT, f"--profile ros2: {problem}. Omit `-`, --overwrite and lz4.")
+        if new == STANDARD_OUTPUT or overwrite:
+            problem = "a rosbag2 folder must be new and on the disk"
+            fail(BAD_INPUT, f"--profile ros2: {problem}. Omit `-` and --overwrite.")
         with bad_input(), shown_progress(progress, "bag to-mcap"):
-            folder = to_ros2(bag, new or bag.with_name(f"{bag.stem}-ros2"), compression is Packing.ZSTD)
+            folder = to_ros2(bag, new or bag.with_name(f"{bag.stem}-ros2"), Compression(compression))
         if as_json:
             print_json(msgspec.to_builtins(folder, enc_hook=str))
             return

@@ -176,14 +176,14 @@ class BagFile:
     def __init__(self, path: Path, compression: Compression = Compression.NONE, form: BagFormat = ROS1_BAG) -> None:
         self._file = ChunkFile(path, compression, form)
         self._chunks = ChunkBuilder(form.layout)
-        self._connections = 0
+        self._next = form.first_number
 
     def connect(
         self, topic: str, msgtype: str, md5: str, definition: str, caller: str | None, latching: bool | None
     ) -> BagConnection:
         """Add a publisher of a topic; see `BagConnection` for the arguments."""
-        self._connections += 1
-        return BagConnection(self._connections - 1, topic, msgtype, md5, definition, caller, latching)
+        self._next += 1
+        return BagConnection(self._next - 1, topic, msgtype, md5, definition, caller, latching)
 
     def write(self, connection: BagConnection, stamp_ns: int, data: bytes) -> None:
         """Write a message."""
