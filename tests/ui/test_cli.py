@@ -452,6 +452,8 @@ def test_the_rate_of_the_study_is_the_one_played_at() -> None:
     assert json.loads(invoke(*options, "--rate", "0").stdout)["seed"] == 1
     older, newer = Path("bags/arena8-2robots-seed1-1.bag"), Path("bags/arena8-2robots-seed1.bag")
     assert older.read_bytes() == newer.read_bytes(), "how fast it was played leaves no trace"
+    invoke(*options, "--rate", "0", "--with", "recording.format=mcap")
+    assert newer.with_suffix(".mcap").is_file()
 
 
 def test_an_unreadable_file_is_told(folder: Path) -> None:

@@ -13,6 +13,7 @@ from thbridge.files.disk.own_links import own_target
 from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.recording.append import append_whole
+from thbridge.recording.recordings import finished_of
 
 _LARGEST = 1 << 28
 
@@ -43,7 +44,7 @@ def read_ended(folder: SweepFolder, path: Path, plugins: Iterable[str] = ()) -> 
             game = msgspec.json.decode(line, type=GameResult)
         except (msgspec.MsgspecError, RecursionError):
             continue  # A killed program left an incomplete line.
-        if game.bag is None or (folder.root / game.bag).exists():
+        if game.bag is None or finished_of(folder.root / game.bag):
             found[game.seed] = game
     return found
 

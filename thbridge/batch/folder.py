@@ -61,9 +61,9 @@ class SweepFolder:
         """Return the path of the list of a chunk's ended games. It is deleted when the chunk has results."""
         return self.root / "ended" / f"chunk-{chunk.number}"
 
-    def bag(self, condition: int, seed: int) -> Path:
-        """Return the path of a game's recording."""
-        return self.root / "bags" / f"condition={condition}" / f"seed-{seed}.bag"
+    def bag(self, condition: int, seed: int, ending: str) -> Path:
+        """Return the path of a game's recording. For `ending`, see `RecordingSection`."""
+        return self.root / "bags" / f"condition={condition}" / f"seed-{seed}{ending}"
 
     def _of(self, kind: str, chunk: GameChunk) -> Path:
         return self.root / kind / f"condition={chunk.condition}"

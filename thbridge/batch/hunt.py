@@ -53,7 +53,7 @@ def play_hunt(
 
 
 class RecordedDigest:
-    """Digest of a session's messages. `thbridge bag info --hash` prints the same digest for the recording.
+    """Digest of a session's messages. `thbridge bag info --hash` prints the same digest for the bag of ROS 1.
 
     Args:
         recording: options of the recording. These options may exclude messages.

@@ -31,7 +31,7 @@ from thbridge.files.disk.own_links import own_target
 from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.recording.append import append_whole
-from thbridge.recording.recordings import active_of
+from thbridge.recording.recordings import finished_of, unfinished_of
 from thbridge.study.study_file import Study
 
 MOST_DEATHS = 2
@@ -158,14 +158,17 @@ def _game(task: SweepTask, seed: int, *, recorded: bool, hashed: bool) -> GameRe
     began = time.process_time()
     setting = _settings(task.beside).of(replace(task.study, seed=seed))
     said = RecordedDigest(setting.study.recording)
-    bag = SweepFolder(task.folder).bag(task.chunk.condition, seed) if recorded else None
+    ending = setting.study.recording.ending
+    bag = SweepFolder(task.folder).bag(task.chunk.condition, seed, ending) if recorded else None
     try:
         if bag is None:
             measures = play_hunt(setting, task.max_seconds, [said] if hashed else [])
         else:
             bag.parent.mkdir(parents=True, exist_ok=True)
-            for left in (bag, active_of(bag)):
-                left.unlink(missing_ok=True)
+            while (left := unfinished_of(bag)) is not None:
+                left.unlink()
+            for left in finished_of(bag):
+                left.unlink()
             with build_writer(setting, bag) as writer:
                 measures = play_hunt(setting, task.max_seconds, [said, writer])
     except (BadFile, OSError):

@@ -13,6 +13,7 @@ from thbridge.experiment.store.known_folders import KnownFolders
 from thbridge.experiment.store.pending_withdrawals import PendingWithdrawals, WithdrawnDigests
 from thbridge.files.disk.inside import path_inside, relative_inside
 from thbridge.files.errors import BadFile
+from thbridge.recording.recordings import BAG
 
 EXPERIMENT = "experiment.yaml"
 STORE, RECORDINGS, EXPORTS, FREEZE = "store", "recordings", "exports", "freeze.json"
@@ -137,13 +138,18 @@ class ExperimentFolder:
         """
         return path_inside(self.recordings, participant)
 
-    def bag(self, participant: str, step: int) -> Path:
+    def bag(self, participant: str, step: int, ending: str = BAG) -> Path:
         """Return the recording of a trial.
+
+        Args:
+            participant: id of the person or group.
+            step: number of the step.
+            ending: ending of the recording's name, see `RecordingSection.ending`.
 
         Raises:
             BadFile: the id is not a valid name of a folder; see `path_inside`.
         """
-        return path_inside(self.recordings, participant, f"step-{step}.bag")
+        return path_inside(self.recordings, participant, f"step-{step}{ending}")
 
     def bag_named(self, name: object) -> Path:
         """Return a recording by its path in an event of the log, relative to the study's folder.

@@ -9,9 +9,9 @@ from thbridge.experiment.progress import Progress, Run
 from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent, NewEvent, RunState
 from thbridge.recording.recordings import ACTIVE
 
-_PART = re.compile(r"_[0-9]+(?=\.bag$)")
+_PART = re.compile(r"_[0-9]+(?=\.(bag|mcap)$)")
 """Suffix of the name of a split recording: the number of the file."""
-_STEP = re.compile(r"step-([0-9]+)(-attempt-[0-9]+)?(-[0-9]+)?(_[0-9]+)?\.bag(\.active)?")
+_STEP = re.compile(r"step-([0-9]+)(-attempt-[0-9]+)?(-[0-9]+)?(_[0-9]+)?\.(bag|mcap)(\.active)?")
 
 
 def moved_aside(bag: Path) -> list[Path]:

@@ -4,6 +4,7 @@ The digest is a SHA-256 over all messages except the session's own record, oldes
 in the order of recording. For each message, the following data are hashed: topic (UTF-8), type (UTF-8), stamp in
 nanoseconds, data. Topic, type and data are preceded by their length in bytes. Lengths and stamps are unsigned
 little-endian integers of 8 bytes. Compression, parts, chunks, definitions and publishers do not affect the digest.
+Messages of ROS 2 have no sequence numbers, so their digest differs from that of the bag of ROS 1.
 """
 
 import struct

@@ -27,7 +27,14 @@ from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
 from thbridge.hunt.rules import MOST_ROBOTS
 from thbridge.hunt.team_planner import TeamPlanner
-from thbridge.recording.bag.options import Compression, DefinitionTexts, Readers, RecordingDetail, SplitLimits
+from thbridge.recording.bag.options import (
+    Compression,
+    DefinitionTexts,
+    Readers,
+    RecordingDetail,
+    RecordingFormat,
+    SplitLimits,
+)
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import LONGEST_HOST, TEXT_SERVER_PORT
 from thbridge.sockets.admission import parse_network
@@ -268,6 +275,11 @@ class RecordingSection:
         "compression of the recording's chunks; lz4: fast; bz2: small files, but slow, only in bags of ROS 1; zstd: "
         "small files, only in recordings of ROS 2",
     )
+    format: RecordingFormat | None = param(
+        None,
+        "format of recordings whose name is not given, for example of studies with people, served games and sweeps; "
+        "bag: bag of ROS 1; mcap: MCAP file of ROS 2; if null, bag, or mcap with the compression zstd",
+    )
     detail: RecordingDetail = param(
         RecordingDetail.CHANGES,
         "costmaps that the bag contains; changes: every changed costmap, and an unchanged costmap every 10 s; all: "
@@ -300,6 +312,12 @@ class RecordingSection:
         1.0,
         1e6,
     )
+
+    @property
+    def ending(self) -> str:
+        """Ending of the names of recordings whose name is not given."""
+        usual = RecordingFormat.MCAP if self.compression is Compression.ZSTD else RecordingFormat.BAG
+        return f".{self.format or usual}"
 
     @property
     def splitting(self) -> SplitLimits:
@@ -544,6 +562,11 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
     if laser.range_min > laser.range_max:
         yield _crossed(loaded, "world.laser", study.world.laser, "range_min", "range_max")
     yield from _crossings(loaded, "robot", study.robot)
+    form, compression = study.recording.format, study.recording.compression
+    if form is not None and compression not in form.compressions:
+        problem = f"recordings with `recording.format: {form}` cannot have the compression {compression}"
+        remedy = f"Write {', '.join(form.compressions)}, or change the format"
+        yield loaded.fault("recording.compression", problem, remedy)
     for key, host in (("server.host", study.server.host), ("watch.host", study.watch.host)):
         if not (host.isprintable() and 0 < len(host) <= LONGEST_HOST):
             yield loaded.fault(key, "this is not an address or name of a machine", "Write an address such as 127.0.0.1")

@@ -18,7 +18,8 @@ def usual_bag(setting: StudySetting) -> Path:
     """Return the default path of a hunt's recording; end the program if the map's name cannot be part of a path."""
     study = setting.study
     with bad_input():
-        return path_inside(Path("bags"), f"{setting.map.name}-{study.robots}robots-seed{study.seed}.bag")
+        name = f"{setting.map.name}-{study.robots}robots-seed{study.seed}{study.recording.ending}"
+        return path_inside(Path("bags"), name)
 
 
 def _robot_rows(robot: RobotStatistics) -> Iterator[tuple[str, str]]:

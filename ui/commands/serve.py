@@ -237,7 +237,7 @@ def serve(
 
         def new_bag() -> Path:
             make_folder(bags)
-            return bags / f"{secrets.token_hex(6)}.bag"
+            return bags / f"{secrets.token_hex(6)}{study.recording.ending}"
 
         run(serve_games(study, served, new_bag, note, chosen, joined), handles_signals=True)
 

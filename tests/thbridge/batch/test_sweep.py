@@ -30,7 +30,10 @@ from thbridge.batch.status import status_of
 from thbridge.batch.sweep import WARM, tasks_of
 from thbridge.batch.tasks import ATTEMPT, SweepTask
 from thbridge.files.errors import BadFile
+from thbridge.recording.bag.options import RecordingFormat
+from thbridge.recording.bag.reading.reader import info
 from thbridge.recording.digest import digest_of
+from thbridge.recording.recordings import parts_of
 
 PROGRAM = [sys.executable, "-c", "from ui.cli import main; main()"]
 SURROUNDINGS = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -351,6 +354,20 @@ def test_only_drawn_games_are_recorded_and_a_bag_has_the_digest_of_its_row(tmp_p
     assert 0 < len(recorded) < 6
     for row in recorded:
         assert digest_of(tmp_path / "sweep" / row["bag"]) == row["messages"]
+
+
+def test_games_are_recorded_in_the_format_of_the_study_with_the_same_results(tmp_path: Path) -> None:
+    for form in RecordingFormat:
+        design = (
+            f"base: {{recording.format: {form}, recording.split_duration: 1}}\nseeds: [3]\nmax_seconds: 2\nbags: yes\n"
+        )
+        run(tmp_path / form, InlineEngine(), f"{design}verify: 0\n")
+    (bag,), (mcap,) = (games(tmp_path / form).to_pylist() for form in RecordingFormat)
+    assert (bag.pop("bag"), mcap.pop("bag")) == ("bags/condition=1/seed-3.bag", "bags/condition=1/seed-3.mcap")
+    assert bag == mcap
+    recording = tmp_path / "mcap" / "bags" / "condition=1" / "seed-3.mcap"
+    assert len(parts_of(recording)) > 1
+    assert info(recording).messages == info(tmp_path / "bag" / "bags" / "condition=1" / "seed-3.bag").messages
 
 
 def test_measures_that_are_not_wanted_are_not_kept(tmp_path: Path) -> None:

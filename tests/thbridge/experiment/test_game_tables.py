@@ -48,6 +48,7 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
+from thbridge.recording.bag.options import RecordingFormat
 from thbridge.ros.messages.session_records import DialogueMoveRecord, UtteranceRecord
 
 ROOMS = 4
@@ -241,6 +242,28 @@ def test_tables_of_recorded_games_and_recordings_that_are_gone_or_changed(tmp_pa
     assert "is missing" in str(notes[0])
     assert "was changed after recording" in str(notes[1])
     assert len(notes) == 2
+
+
+def test_recordings_of_both_formats_have_the_same_tables(tmp_path: Path) -> None:
+    text = WITH_GAMES.replace("robots: [1, 2]", "robots: [1]").replace("max_seconds: 60", "max_seconds: 20")
+    tables = []
+    for form in RecordingFormat:
+        (tmp_path / form).mkdir()
+        written = text.replace("map: arena8", f"map: arena8, recording.format: {form}")
+        folder = rehearse(tmp_path / form, SimulatedPeople(drop_out=0.0), 1, written)
+        records = records_of(folder.read(), read_log(folder.log), folder.root)
+        pieces = (*log_tables(records), *game_tables(records))
+        assert not any(isinstance(piece, str) for piece in pieces)
+        assert [str(trial.recording) for trial in records.trials] == ["as recorded"]
+        frames = {piece.name: pd.DataFrame(piece.rows) for piece in pieces}
+        assert frames["trials"].pop("bag")[0].endswith(f"/step-1.{form}")
+        named = rf"\.{form}|{frames['trials'].pop('sha256')[0]}"
+        frames["events"]["data"] = frames["events"]["data"].str.replace(named, "", regex=True)
+        tables.append(frames)
+    bag, mcap = tables
+    assert bag.keys() == mcap.keys() and len(bag["decisions"]) > 0
+    for name in bag:
+        pd.testing.assert_frame_equal(bag[name], mcap[name])
 
 
 @pytest.mark.slow

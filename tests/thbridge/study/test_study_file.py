@@ -223,6 +223,11 @@ BROKEN = {
         "robot:\n  amcl:\n    min_particles: 2000\n",
         "study.yaml, line 3, robot.amcl.min_particles: 2000 is above robot.amcl.max_particles, which is 1000.",
     ),
+    "a compression that the format does not have": (
+        "recording:\n  format: mcap\n  compression: bz2\n",
+        "study.yaml, line 3, recording.compression: recordings with `recording.format: mcap` cannot have the "
+        "compression bz2. Write none, lz4, zstd, or change the format.",
+    ),
     "a footprint beside the robot": (
         "world: {footprint: [[1, 0], [2, 0], [1, 1]]}",
         "study.yaml, line 1, world.footprint: the polygon of these corners does not contain the robot's center (0, 0).",
@@ -488,6 +493,19 @@ class TestRecording:
         recording = read_study_text(STUDY, "").recording
         assert (recording.compression, recording.splitting) == (Compression.LZ4, SplitLimits())
 
+    @pytest.mark.parametrize(
+        ("written", "ending"),
+        {
+            "{}": ".bag",
+            "{compression: bz2}": ".bag",
+            "{compression: zstd}": ".mcap",
+            "{format: mcap}": ".mcap",
+            "{format: bag, compression: none}": ".bag",
+        }.items(),
+    )
+    def test_format_and_compression_give_the_ending_of_names(self, written: str, ending: str) -> None:
+        assert read_study_text(STUDY, f"recording: {written}").recording.ending == ending
+
     def test_all_costmaps_are_recorded_on_request(self) -> None:
         assert read_study_text(STUDY, "recording: {detail: all}").recording.detail is RecordingDetail.ALL
 
@@ -496,7 +514,9 @@ class TestRecording:
         chosen = read_study_text(STUDY, "recording: {definitions: installed}").recording
         assert chosen.definitions is DefinitionTexts.INSTALLED
 
-    @pytest.mark.parametrize("line", ["compression: zip", "detail: some", "split_size: 0", "split_duration: 0.5"])
+    @pytest.mark.parametrize(
+        "line", ["compression: zip", "format: db3", "detail: some", "split_size: 0", "split_duration: 0.5"]
+    )
     def test_what_cannot_be_is_refused(self, line: str) -> None:
         assert f"recording.{line.split(':', maxsplit=1)[0]}" in refusal(f"recording: {{{line}}}")
 

@@ -75,7 +75,7 @@ class Rehearsal:
         people: properties of the simulated people.
         seed: random seed of all actions of people.
         clock: clock of the rehearsal, which advances by the time that people need.
-        bag_of: function that returns the path for the recording of a person's step.
+        bag_of: function that returns the path for the recording of a person's step, with this ending.
         root: folder for relative paths of recordings.
     """
 
@@ -85,7 +85,7 @@ class Rehearsal:
         people: SimulatedPeople,
         seed: int,
         clock: RehearsalClock,
-        bag_of: Callable[[str, int], Path],
+        bag_of: Callable[[str, int, str], Path],
         root: Path,
     ) -> None:
         self._design = design
@@ -243,7 +243,7 @@ class Rehearsal:
         self, setting: StudySetting, folder: str, step: PlannedStep, seconds: float, participants: Sequence[Role] | None
     ) -> tuple[GameMeasures, Path]:
         """Play and record a game; `folder` is the id of a person or group."""
-        bag = self._bag_of(folder, step.number)
+        bag = self._bag_of(folder, step.number, setting.study.recording.ending)
         bag.parent.mkdir(parents=True, exist_ok=True)
         for part in parts_of(bag):
             part.unlink(missing_ok=True)

@@ -19,6 +19,18 @@ MCAP_COMPRESSIONS = (Compression.NONE, Compression.LZ4, Compression.ZSTD)
 """Compressions that MCAP files can have."""
 
 
+class RecordingFormat(StrEnum):
+    """Format of recordings. The value is the ending of their names."""
+
+    BAG = "bag"
+    MCAP = "mcap"
+
+    @property
+    def compressions(self) -> tuple[Compression, ...]:
+        """Compressions that recordings of this format can have."""
+        return ROS1_COMPRESSIONS if self is RecordingFormat.BAG else MCAP_COMPRESSIONS
+
+
 class RecordingDetail(StrEnum):
     """Messages of a session that are recorded."""
 

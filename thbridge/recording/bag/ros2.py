@@ -1,13 +1,15 @@
 """ROS 2 recordings and MCAP files, converted to ROS 1 bags for reading.
 
-A recording is converted once per process, into a folder that is removed when the process ends. So readers of bags need
-only one format. Messages get the types of ROS Noetic: fields that only ROS 2 has are left out, fields that only ROS 1
-has are 0. Publishers with durability "transient local" become latched publishers.
+A recording is converted when it is read, into a temporary folder. The bags of the last recordings are kept. So readers
+of bags need only one format. Messages get the types of ROS Noetic: fields that only ROS 2 has are left out, fields that
+only ROS 1 has are 0. Publishers with durability "transient local" become latched publishers.
 """
 
 import errno
 import io
+import shutil
 import tempfile
+import weakref
 from collections.abc import Callable, Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass
@@ -44,9 +46,9 @@ MCAP, SQLITE = ".mcap", ".db3"
 _DISK_FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EFBIG}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, weakref_slot=True)
 class ConvertedRecording:
-    """The ROS 1 bag of a converted recording.
+    """The ROS 1 bag of a converted recording. The file is removed with this object; files that are open stay readable.
 
     Attributes:
         path: path of the bag.
@@ -103,7 +105,7 @@ def _converted(path: Path, unchanged: bool, _mtime_ns: int, _size: int) -> Conve
         with plain_recording(path, bag.parent) as plain:
             if _is_ros1_mcap(plain):
                 _repack(plain, bag)
-                return ConvertedRecording(bag, "an MCAP file of ROS 1", {}, is_cdr=False)
+                return _removed_at_end(ConvertedRecording(bag, "an MCAP file of ROS 1", {}, is_cdr=False))
             with bounded_sqlite(plain):
                 left_out = _convert(plain, bag, unchanged)
     except BadFile:
@@ -120,7 +122,14 @@ def _converted(path: Path, unchanged: bool, _mtime_ns: int, _size: int) -> Conve
             raise BadFile(path, problem, remedy) from error
         remedy = "try `thbridge bag reindex`, `ros2 bag reindex` or `mcap recover`, or name another recording"
         raise BadFile(path, f"it cannot be read: {_sentence(error)}", remedy) from error
-    return ConvertedRecording(bag, "a ROS 2 recording", left_out, is_cdr=True)
+    return _removed_at_end(ConvertedRecording(bag, "a ROS 2 recording", left_out, is_cdr=True))
+
+
+def _removed_at_end(found: ConvertedRecording) -> ConvertedRecording:
+    """Return the converted recording, whose file is removed with it: a study has many recordings."""
+    removal = weakref.finalize(found, shutil.rmtree, found.path.parent, ignore_errors=True)
+    removal.atexit = False  # At the end of the process, the whole folder is removed.
+    return found
 
 
 @lru_cache(maxsize=1)

@@ -144,7 +144,8 @@ class StudyGames:
         setting = setting_of_trial(self._design, self._settings, run, step)
         if setting is None:
             return None
-        bag, attempt = self._folder.bag(group or run.participant, step.number), run.begun.get(step.number, 1)
+        bag = self._folder.bag(group or run.participant, step.number, setting.study.recording.ending)
+        attempt = run.begun.get(step.number, 1)
         if attempt > 1 and not group:
             # The log contains the path of the earlier attempt's recording.
             bag = bag.with_stem(f"{bag.stem}-attempt-{attempt}")

@@ -5,12 +5,14 @@ from datetime import datetime
 from pathlib import Path
 
 import pandas as pd
+import pytest
 
 from tests.support.studies.kiosk_without_screen import Laboratory, Person
 from thbridge.experiment.export.tables import game_tables, log_tables, records_of
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Progress
 from thbridge.experiment.recordings import notes_on_leftovers
+from thbridge.recording.bag.options import RecordingFormat
 from ui.hosting.kiosk.games import StudyGames
 from ui.model.kiosk import FocusNews, FormToFill, ItemNews, WentOn
 
@@ -42,8 +44,12 @@ class Distracted(Person):
             yield from super().react(shown)
 
 
-def test_consent_looking_away_and_pasting_are_in_the_tables_and_split_recordings_are_whole(tmp_path: Path) -> None:
-    laboratory, folder = Laboratory(tmp_path, STUDY), ExperimentFolder(tmp_path)
+@pytest.mark.parametrize("form", RecordingFormat)
+def test_consent_looking_away_and_pasting_are_in_the_tables_and_split_recordings_are_whole(
+    tmp_path: Path, form: RecordingFormat
+) -> None:
+    study = STUDY.replace("robots: 1", f"robots: 1, recording.format: {form}")
+    laboratory, folder = Laboratory(tmp_path, study), ExperimentFolder(tmp_path)
     laboratory.games = StudyGames(folder, laboratory.design)
     laboratory.run(Distracted())
     laboratory.run(Person(agrees=False))
@@ -69,9 +75,9 @@ def test_consent_looking_away_and_pasting_are_in_the_tables_and_split_recordings
     assert pasted.to_dict() == {"line": 0, "age": 0, "why": 120}
 
     (trial,) = tables["trials"].to_dict("records")
-    parts = sorted(folder.recordings.rglob("*.bag"))
-    assert [part.name for part in parts[:2]] == ["step-2_0.bag", "step-2_1.bag"]
-    assert (trial["recording"], Path(trial["bag"]).name) == ("as recorded", "step-2.bag")
+    parts = sorted(folder.recordings.rglob(f"*.{form}"))
+    assert [part.name for part in parts[:2]] == [f"step-2_0.{form}", f"step-2_1.{form}"]
+    assert (trial["recording"], Path(trial["bag"]).name) == ("as recorded", f"step-2.{form}")
     assert not any(isinstance(piece, str) for piece in game_tables(records))
     assert [*notes_on_leftovers(folder, Progress(laboratory.design).after(entries), entries)] == []
     parts[1].unlink()

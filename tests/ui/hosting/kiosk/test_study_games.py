@@ -11,6 +11,7 @@ from thbridge.experiment.design.experiment_file import practice_seed
 from thbridge.experiment.design.plan import plan_of
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Run
+from thbridge.recording.bag.options import RecordingFormat
 from thbridge.recording.bag.reading.reader import info
 from thbridge.recording.recordings import active_of
 from thbridge.sockets.addresses import ListeningAddress
@@ -74,8 +75,12 @@ def played(root: Path, *, goes_on: bool) -> tuple[NobodyThere, dict]:
     return host, game
 
 
-def test_a_game_is_recorded_and_one_of_another_study_begins_anew_beside_what_there_was(tmp_path: Path) -> None:
-    (tmp_path / "experiment.yaml").write_text(STUDY)
+@pytest.mark.parametrize("form", RecordingFormat)
+def test_a_game_is_recorded_and_one_of_another_study_begins_anew_beside_what_there_was(
+    tmp_path: Path, form: RecordingFormat
+) -> None:
+    study = STUDY.replace("robots: 1", f"robots: 1, recording.format: {form}")
+    (tmp_path / "experiment.yaml").write_text(study)
     host, game = played(tmp_path, goes_on=False)
     bag = tmp_path / game["bag"]
     assert info(bag).messages > 100
@@ -83,27 +88,29 @@ def test_a_game_is_recorded_and_one_of_another_study_begins_anew_beside_what_the
     assert (game["over"], game["sim_seconds"]) == (None, 2.0)
     assert (host.told, host.moved) == (1, [])
     assert host.times[-1] <= 2.0
-    (tmp_path / "experiment.yaml").write_text(STUDY.replace("seed: 1", "seed: 2"))
+    (tmp_path / "experiment.yaml").write_text(study.replace("seed: 1", "seed: 2"))
     host, again = played(tmp_path, goes_on=True)
-    assert [moved.name for moved in host.moved if moved is not None] == ["step-1-1.bag"]
-    kept = tmp_path / "recordings" / "P-1" / "step-1-1.bag"
+    assert [moved.name for moved in host.moved if moved is not None] == [f"step-1-1.{form}"]
+    kept = tmp_path / "recordings" / "P-1" / f"step-1-1.{form}"
     assert hashlib.sha256(kept.read_bytes()).hexdigest() == game["sha256"]
     assert again["sha256"] != game["sha256"]
 
 
-def test_a_recording_that_was_cut_off_is_told_when_its_game_goes_on(tmp_path: Path) -> None:
-    (tmp_path / "experiment.yaml").write_text(STUDY)
+@pytest.mark.parametrize("form", RecordingFormat)
+def test_a_recording_that_was_cut_off_is_told_when_its_game_goes_on(tmp_path: Path, form: RecordingFormat) -> None:
+    study = STUDY.replace("robots: 1", f"robots: 1, recording.format: {form}")
+    (tmp_path / "experiment.yaml").write_text(study)
     _, game = played(tmp_path, goes_on=False)
     bag = tmp_path / game["bag"]
     bag.rename(active_of(bag))
     host, again = played(tmp_path, goes_on=True)
-    assert host.cut == ["step-1-1.bag.active"]
+    assert host.cut == [f"step-1-1.{form}.active"]
     assert host.moved == []
     assert again["bag"] == game["bag"]
     # Its own program died before it could tell.
     bag.rename(active_of(bag))
     host, _ = played(tmp_path, goes_on=True)
-    assert host.cut == ["step-1-1.bag.active", "step-1-2.bag.active"], "whoever is told knows which are new"
+    assert host.cut == [f"step-1-1.{form}.active", f"step-1-2.{form}.active"], "whoever is told knows which are new"
 
 
 def test_the_log_has_the_real_time_of_a_game_also_where_another_program_went_on_with_it(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ KEY = "a key that nobody can guess"
 STUDY = """\
 title: Killed workers
 seed: 3
-base: {map: practice, templates: practice, robots: 1, rate: 10, server.port: 0}
+base: {map: practice, templates: practice, robots: 1, rate: 10, server.port: 0, recording.format: mcap}
 quota: 4
 consent_elsewhere: People agreed before.
 steps:
@@ -107,7 +107,7 @@ def test_a_sleeping_copy_continues_the_game_of_a_killed_worker(tmp_path: Path) -
     kinds = [event.kind for event in events]
     assert kinds.count(EventKind.GAME_PLAYED) == 1
     assert EventKind.RECORDING_CUT_OFF not in kinds
-    (bag,) = (tmp_path / "recordings").rglob("*.bag")
+    (bag,) = (tmp_path / "recordings").rglob("*.mcap")
     # The checksums of a journal are chained, so a repeated or missing event would be an error.
     assert read_journal(journal_path(journal_of(bag), 1)).state.ended is not None
     assert run_thbridge(tmp_path, "replay", str(bag)).returncode == 0

@@ -178,7 +178,7 @@ def test_a_killed_worker_brings_each_person_back_to_their_seat(tmp_path: Path) -
 @pytest.mark.slow
 def test_a_killed_server_brings_each_person_back_to_their_seat(tmp_path: Path) -> None:
     study, bags = tmp_path / "team.yaml", tmp_path / "bags"
-    study.write_text(TEAM_TEXT)
+    study.write_text(f"{TEAM_TEXT}recording: {{format: mcap}}\n")
 
     async def run(server: ServedProgram) -> None:
         team = await seated(server.port)
@@ -202,4 +202,5 @@ def test_a_killed_server_brings_each_person_back_to_their_seat(tmp_path: Path) -
 
     with ServedProgram(study, "--games", "1", "--bags", str(bags), recorded=bags) as server:
         asyncio.run(asyncio.wait_for(run(server), 280))
-    assert len([*bags.glob("*.bag")]) == 1
+    (mcap,) = bags.glob("*.mcap")
+    assert run_thbridge(tmp_path, "replay", str(mcap)).returncode == 0

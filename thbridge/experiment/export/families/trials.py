@@ -197,8 +197,8 @@ def trials(design: ExperimentDesign, subjects: Sequence[Trial]) -> ExperimentTab
             ),
             text(
                 "bag",
-                "recording of the game, relative to the study's folder (split recording: NAME_0.bag, ...); empty if "
-                "there is none",
+                "recording of the game, relative to the study's folder (files of a split recording: NAME_0, NAME_1, "
+                "...); empty if there is none",
                 lambda row: row.bag,
             ),
             text(
