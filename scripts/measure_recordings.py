@@ -28,7 +28,7 @@ from thbridge.roles.participant.tabui import TabUI
 from thbridge.study.study_file import RecordingSection, Study
 from thbridge.text_protocol.wire import legacy
 
-WHOLE = RecordingSection(Compression.NONE, RecordingDetail.ALL)
+WHOLE = RecordingSection(compression=Compression.NONE, detail=RecordingDetail.ALL)
 SHOWN = 12
 """Number of topics in a table; the largest topics come first."""
 
@@ -44,14 +44,14 @@ class Recorded:
 def record(folder: Path, study: Study, seconds: float, busy: bool) -> Recorded:
     """Record a session. If the team is busy, a simulated participant sends its robots through the rooms."""
     setting = read_setting(study, Path())
-    player = TabUI(build_bot(setting.templates, study.participant.strategy, study.seed)) if busy else None
+    players = [TabUI(build_bot(setting.templates, study.participant.strategy, study.seed))] if busy else []
     bags = Recorded(folder / f"whole-{study.robots}-{busy}.bag", folder / f"default-{study.robots}-{busy}.bag")
     plain = replace(setting, study=replace(study, recording=WHOLE))
     with build_writer(plain, bags.whole) as whole, build_writer(setting, bags.default) as default:
         opening = build_record(setting, PLAY, [legacy.SIMR, legacy.HIDER], "")
         said = Broadcast(build_publisher(setting), opening, setting.map.grid, [whole, default])
         roles = [build_simr(setting), build_hider(setting.templates, study.seed)]
-        session = Session(build_keeper(setting), roles, [BagRecorder(said)], player)
+        session = Session(build_keeper(setting), roles, [BagRecorder(said)], players)
         for _ in range(round(seconds * TICKS_PER_SECOND)):
             session.step()
     return bags

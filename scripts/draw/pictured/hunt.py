@@ -47,7 +47,7 @@ class PicturedHunt:
         self._session = Session(
             build_keeper(setting),
             [build_simr(setting), build_hider(setting.templates, setting.study.seed)],
-            participant=self._tabui,
+            participants=(self._tabui,),
         )
         self.model.connected(self.now)
         self.until(lambda screen: bool(screen.cards))

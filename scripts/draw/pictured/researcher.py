@@ -91,7 +91,7 @@ def play(listeners: Sequence[Listener], ticks: int, requests: Mapping[int, Reque
     record = build_record(setting, PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
     recorder = BagRecorder(Broadcast(build_publisher(setting), record, setting.map.grid, listeners))
     roles = [build_simr(setting), build_hider(setting.templates, setting.study.seed)]
-    hunt = Session(build_keeper(setting), roles, [recorder], participant)
+    hunt = Session(build_keeper(setting), roles, [recorder], [participant])
     for tick in range(ticks):
         if tick in requests:
             hunt.ask("watch", requests[tick])
