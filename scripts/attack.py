@@ -909,7 +909,7 @@ def main() -> int:
         "--descriptors", type=int, help="limit of the session's descriptors (default: the system's limit)"
     )
     given = parser.parse_args()
-    doors = Doors(*free_ports(7), attack_ros2.free_domain())
+    doors = replace(Doors(*free_ports(7)), ros2=attack_ros2.free_domain())
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         KeyRing(folder / "keys", utc_now).add("honest", [Right.ADMIN], KEY, None)

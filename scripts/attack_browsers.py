@@ -23,6 +23,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection as OwnConnection
 from websockets.sync.client import connect as connect_own
+from websockets.typing import Origin
 
 HOST = "127.0.0.1"
 STUDY = """\
@@ -116,7 +117,7 @@ class PlayingPerson:
             self._heard = time.monotonic()
             self._socket = connect_own(
                 f"ws://{HOST}:{self._port}/socket",
-                origin=f"http://{HOST}:{self._port}",  # type: ignore[arg-type]
+                origin=Origin(f"http://{HOST}:{self._port}"),
                 additional_headers={"Cookie": self._cookie},
                 open_timeout=PATIENCE,
             )
@@ -153,7 +154,7 @@ async def opened(port: int, cookie: str, path: str = "/socket", origin: str = ""
     """Open a socket as a page does."""
     return await connect(
         f"ws://{HOST}:{port}{path}",
-        origin=origin or f"http://{HOST}:{port}",  # type: ignore[arg-type]
+        origin=Origin(origin or f"http://{HOST}:{port}"),
         additional_headers={"Cookie": cookie} if cookie else {},
         open_timeout=PATIENCE,
     )

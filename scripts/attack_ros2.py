@@ -156,7 +156,7 @@ class HostileParticipant:
         times = max(1, _FULL // sum(map(len, submessages)))
         return rtps.encode_header(self.participant.prefix) + b"".join(submessages) * times
 
-    def write_all(self, write: Callable[[int], None], count: int) -> int:
+    def write_all(self, write: Callable[[int], object], count: int) -> int:
         """Write messages as fast as the session acknowledges, or faster."""
         for number in range(count):
             write(number)
@@ -359,7 +359,7 @@ def invented_endpoints(domain: int, count: int) -> tuple[int, int]:
     )
     writer = foe.participant.add_writer(DISCOVERY_TOPIC, DISCOVERY_TYPE, LATCHED, b"", 0)
     foe.live(1.0)
-    return sent + foe.write_all(lambda number: foe.participant.write(writer, info, 0) and None, 20), 0
+    return sent + foe.write_all(lambda number: foe.participant.write(writer, info, 0), 20), 0
 
 
 def forged_disposals(domain: int, count: int) -> tuple[int, int]:

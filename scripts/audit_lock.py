@@ -12,10 +12,11 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
 from packaging.utils import canonicalize_name
 from packaging.version import InvalidVersion, Version
 from rich.console import Console
@@ -29,6 +30,39 @@ PIN = re.compile(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)", re.MULTILINE)
 SUFFIXES = {".yaml", ".yml", ".json"}
 EVERY = Version("0.dev0")
 """Version that OSV writes as 0, which is earlier than all other versions."""
+
+
+class AdvisoryPackage(msgspec.Struct):
+    """Package of an advisory; the structures of advisories have the names of OSV's format."""
+
+    name: str = ""
+    ecosystem: str = ""
+
+
+class AffectedRange(msgspec.Struct):
+    """Range of affected versions. The events start or end affected parts."""
+
+    type: str
+    events: list[dict[str, object]]
+
+
+class AffectedPackage(msgspec.Struct):
+    """Affected versions of a package."""
+
+    package: AdvisoryPackage | None = None
+    ranges: list[AffectedRange] | None = None
+    versions: list[object] | None = None
+
+
+class Advisory(msgspec.Struct):
+    """Advisory about a vulnerability."""
+
+    id: str
+    aliases: list[str] | None = None
+    summary: str | None = None
+    details: str | None = None
+    withdrawn: object = None
+    affected: list[AffectedPackage] | None = None
 
 
 @dataclass(frozen=True)
@@ -85,9 +119,9 @@ def audit(pins: Mapping[str, str], database: Path) -> Audit:
         if not wanted.search(re.sub(r"[-_.]+", "-", text.lower())):
             continue  # most advisories concern other packages, and parsing YAML is slow
         try:
-            advisory = json.loads(text) if file.suffix == ".json" else YAML(typ="safe", pure=True).load(text)
-            found = list(_concerns(advisory, pins))
-        except (ValueError, YAMLError, KeyError, TypeError, AttributeError):
+            content = json.loads(text) if file.suffix == ".json" else YAML(typ="safe", pure=True).load(text)
+            found = list(_concerns(msgspec.convert(content, Advisory), pins))
+        except (ValueError, YAMLError):
             unreadable.append(file)
             continue
         read += 1
@@ -95,31 +129,31 @@ def audit(pins: Mapping[str, str], database: Path) -> Audit:
     return Audit(tuple(sorted(concerns, key=lambda it: (it.name, it.names))), read, tuple(unreadable), newest)
 
 
-def _concerns(advisory: Mapping[str, object], pins: Mapping[str, str]) -> Iterator[Concern]:
-    if advisory.get("withdrawn"):
+def _concerns(advisory: Advisory, pins: Mapping[str, str]) -> Iterator[Concern]:
+    if advisory.withdrawn:
         return
-    names = (str(advisory["id"]), *map(str, advisory.get("aliases") or ()))
-    text = str(advisory.get("summary") or advisory.get("details") or "").strip()
-    for affected in advisory.get("affected") or ():
-        package = affected.get("package") or {}
-        name = canonicalize_name(package.get("name", ""))
-        if package.get("ecosystem") != "PyPI" or name not in pins:
+    names = (advisory.id, *(advisory.aliases or ()))
+    text = (advisory.summary or advisory.details or "").strip()
+    for affected in advisory.affected or ():
+        package = affected.package or AdvisoryPackage()
+        name = canonicalize_name(package.name)
+        if package.ecosystem != "PyPI" or name not in pins:
             continue
         version = pins[name]
-        ranges = [found for found in affected.get("ranges") or () if found["type"] in {"ECOSYSTEM", "SEMVER"}]
+        ranges = [found.events for found in affected.ranges or () if found.type in {"ECOSYSTEM", "SEMVER"}]
         # A version is affected if it is listed or if it is in a range.
-        if version in map(str, affected.get("versions") or ()) or any(within(version, found) for found in ranges):
-            ends = (str(event["fixed"]) for found in ranges for event in found["events"] if "fixed" in event)
+        if version in map(str, affected.versions or ()) or any(within(version, events) for events in ranges):
+            ends = (str(event["fixed"]) for events in ranges for event in events if "fixed" in event)
             yield Concern(name, version, names, (text.splitlines() or [""])[0], tuple(dict.fromkeys(ends)))
 
 
-def within(version: str, found: Mapping[str, object]) -> bool:
+def within(version: str, events: Sequence[Mapping[str, object]]) -> bool:
     """Return True if a version is in a range of OSV, which is a list of events.
 
     When the events are sorted by version, each event starts or ends an affected part.
     """
     at, affected = Version(version), False
-    for turn, event in sorted((_turn(event) for event in found["events"]), key=lambda it: it[0]):
+    for turn, event in sorted((_turn(event) for event in events), key=lambda it: it[0]):
         if turn > at or (turn == at and event == "last_affected"):
             break
         affected = event == "introduced"
@@ -137,9 +171,9 @@ def _turn(event: Mapping[str, object]) -> tuple[Version, str]:
 def fetched(kept: Path) -> Path:
     """Fetch PyPA's database, or its updates; return its folder. End the program if fetching fails."""
     if (kept / ".git").is_dir():
-        command = ["git", "-C", kept, "pull", "--quiet", "--ff-only", "--depth", "1"]
+        command = ["git", "-C", str(kept), "pull", "--quiet", "--ff-only", "--depth", "1"]
     else:
-        command = ["git", "clone", "--quiet", "--depth", "1", DATABASE, kept]
+        command = ["git", "clone", "--quiet", "--depth", "1", DATABASE, str(kept)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         print(f"The database cannot be fetched: {done.stderr.strip()}", file=sys.stderr)

@@ -10,7 +10,7 @@ about two seconds per game. The second prints the tables of docs/how-to/learning
 import argparse
 import csv
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -32,9 +32,12 @@ def study() -> api.HuntStudy:
 
 def policy_of(name: str) -> Policy:
     """Return the policy with this name."""
-    return (
-        TablePolicy.read(LEARNED) if name == "learned" else {"random": RandomPolicy, "cheapest": CheapestPolicy}[name]()
-    )
+    policies: dict[str, Callable[[], Policy]] = {
+        "random": RandomPolicy,
+        "cheapest": CheapestPolicy,
+        "learned": lambda: TablePolicy.read(LEARNED),
+    }
+    return policies[name]()
 
 
 def events_of(env: Env) -> Sequence[HuntEvent]:

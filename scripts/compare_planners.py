@@ -43,7 +43,7 @@ def main() -> None:
     for rooms, robots, energy in HUNTS:
         exact = rooms <= most_rooms_shared_out(robots)
         seeds = range(hunts if rooms < LARGE else max(hunts // 10, 1))
-        best = []
+        best: list[tuple[int, float]] = []
         left_out = {TeamPlanner.TOUR} if rooms > MOST_ROOMS else set[str]()
         for name, plan in planners.items():
             if name in left_out or (name == TeamPlanner.JOINT and not exact):

@@ -35,7 +35,8 @@ def learn(env: AbstractHuntEnv, seed: int, batches: int, rate: float) -> tuple[N
         batches: number of learning steps.
         rate: change of preferences for a gradient of one and an advantage of one standard deviation.
     """
-    rooms = env.action_space("robot_1").n - 1
+    costs = env.layout["costs"]
+    rooms = costs.stop - costs.start
     policy = TablePolicy(np.zeros((len(env.possible_agents), rooms + 1, rooms)), np.random.default_rng(seed))
     curve = []
     for batch in range(batches):

@@ -24,11 +24,10 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
@@ -227,12 +226,12 @@ class Person:
         self._measured.add(time.monotonic() - began)
 
 
-def front(tree: dict[str, Any]) -> object:
+def front(tree: Mapping[str, object]) -> object:
     """Return the part of a page that a person would use now: a pop-up if there is one."""
     return tree["question"] or tree["treasure"] or tree["dialogue"] or [tree["cards"], tree["tiles"], tree["waiting"]]
 
 
-def offers(part: object) -> Iterator[dict[str, Any]]:
+def offers(part: object) -> Iterator[dict[str, object]]:
     """Yield the acts of all buttons that are enabled."""
     if isinstance(part, dict):
         if part.get("enabled") and not part.get("pending") and isinstance(part.get("act"), dict):

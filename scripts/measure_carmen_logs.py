@@ -21,8 +21,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_typestore
@@ -30,6 +32,9 @@ from rosbags.typesys import Stores, get_typestore
 from sim.common.geometry import Pose2
 from sim.numerics.float_array import FloatArray
 from tests.bench.robots.wrong_pose_runs import HEAD, UpdateRow, calibration, is_wrong
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Msg
 
 RESOLUTION = 0.05
 LONGEST = 25.0
@@ -88,7 +93,7 @@ def _lines(log: Path) -> Iterator[list[str]]:
 def directions(count: int) -> FloatArray:
     """Return (n,) directions of a scan's beams, radians: every degree or half degree, from right to left."""
     step = math.pi / (180.0 if count < 200 else 360.0)
-    return -0.5 * math.pi + step * np.arange(count)
+    return -0.5 * math.pi + step * np.arange(count, dtype=np.float64)
 
 
 def draw_map(scans: list[LoggedScan], folder: Path) -> Path:
@@ -125,7 +130,7 @@ def draw_map(scans: list[LoggedScan], folder: Path) -> Path:
     return path
 
 
-def _ends(scan: LoggedScan) -> tuple[FloatArray, FloatArray]:
+def _ends(scan: LoggedScan) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Return (n, 2) ends of the beams in the map, and (n,) flags, True if a beam hit something."""
     met = scan.ranges < LONGEST
     far = np.minimum(scan.ranges, LONGEST)
@@ -160,12 +165,12 @@ def write_bag(scans: list[LoggedScan], path: Path) -> None:
             bag.write(beams, stamp, STORE.serialize_ros1(said, laser.__msgtype__))
 
 
-def _header(number: int, stamp: int, frame: str) -> object:
+def _header(number: int, stamp: int, frame: str) -> "Msg":
     time = TYPES["builtin_interfaces/msg/Time"](sec=stamp // 10**9, nanosec=stamp % 10**9)
     return TYPES["std_msgs/msg/Header"](seq=number, stamp=time, frame_id=frame)
 
 
-def _pose(pose: Pose2) -> object:
+def _pose(pose: Pose2) -> "Msg":
     turned = TYPES["geometry_msgs/msg/Quaternion"](
         x=0.0, y=0.0, z=math.sin(pose.theta / 2.0), w=math.cos(pose.theta / 2.0)
     )
@@ -174,7 +179,7 @@ def _pose(pose: Pose2) -> object:
     )
 
 
-def _odometry(number: int, stamp: int, scan: LoggedScan) -> object:
+def _odometry(number: int, stamp: int, scan: LoggedScan) -> "Msg":
     none = TYPES["geometry_msgs/msg/Vector3"](x=0.0, y=0.0, z=0.0)
     still = TYPES["geometry_msgs/msg/Twist"](linear=none, angular=none)
     unknown = np.zeros(36)

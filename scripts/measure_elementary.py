@@ -11,6 +11,7 @@ import random
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from typing import TypeAlias
 
 import mpmath
 import numpy as np
@@ -19,7 +20,8 @@ from sim.numerics import elementary
 from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
-Draw = Callable[[random.Random], float]
+Draw: TypeAlias = Callable[[random.Random], float]
+Elementary: TypeAlias = Callable[[*tuple[float, ...]], float]
 
 
 def wide(low: float, high: float) -> Draw:
@@ -63,7 +65,7 @@ def worst(name: str, part: int, seed: int, count: int) -> float:
     return greatest
 
 
-def cost(function: Callable[..., float], name: str) -> float:
+def cost(function: Elementary, name: str) -> float:
     """Return the nanoseconds per call: the least value of seven rounds, each with a million arguments."""
     if name in PAIRS:
 

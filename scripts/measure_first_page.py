@@ -15,7 +15,6 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
@@ -71,8 +70,8 @@ def visit(browser: Chromium, address: str) -> dict[str, float]:
     browser.command("Page.navigate", url="about:blank")
     browser.until("location.protocol === 'about:'")
     browser.messages.clear()
-    line: dict[str, Any] = {"offline": False, "latency": LATENCY, "downloadThroughput": RATE, "uploadThroughput": RATE}
-    browser.command("Network.emulateNetworkConditions", **line)
+    line = {"latency": LATENCY, "downloadThroughput": RATE, "uploadThroughput": RATE}
+    browser.command("Network.emulateNetworkConditions", offline=False, **line)
     browser.open(address, before=WATCH)
     browser.until("window.measured.button && performance.getEntriesByName('first-contentful-paint').length")
     times = browser.evaluate(

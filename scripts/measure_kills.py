@@ -18,7 +18,6 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
@@ -110,7 +109,7 @@ class Player:
         time.sleep(READING)
         self._repeat(lambda: self.browser.evaluate(deed), effect)
 
-    def _repeat(self, deed: Callable[[], Any], effect: str) -> None:
+    def _repeat(self, deed: Callable[[], object], effect: str) -> None:
         while True:
             deed()
             try:
@@ -118,6 +117,12 @@ class Player:
             except TimeoutError:
                 continue  # The page did not accept it, because it had just changed.
             return
+
+
+def kill_all(*processes: int) -> None:
+    """Kill processes."""
+    for process in processes:
+        os.kill(process, signal.SIGKILL)
 
 
 def main() -> None:
@@ -132,8 +137,8 @@ def main() -> None:
             player = Player(served.port, Path(name, "profile"))
             player.begin()
             kills: dict[str, Callable[[], None]] = {
-                "server": lambda: os.kill(served.child, signal.SIGKILL),
-                "game": lambda: [os.kill(each, signal.SIGKILL) for each in served.workers.values()] and None,
+                "server": lambda: kill_all(served.child),
+                "game": lambda: kill_all(*served.workers.values()),
                 "browser": player.restart_browser,
             }
             for program, kill in kills.items():

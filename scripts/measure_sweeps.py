@@ -17,6 +17,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -30,6 +31,7 @@ from thbridge.batch.engines.processes import ProcessEngine
 from thbridge.batch.folder import open_folder
 from thbridge.batch.sweep import WARM, tasks_of
 from thbridge.batch.tables import VARYING, collect
+from thbridge.batch.tasks import SweepTask
 
 ROOT = Path(__file__).parents[1]
 PROGRAM = [sys.executable, "-c", "from ui.cli import main; main()"]
@@ -108,7 +110,7 @@ def play_on_cluster(folder: Path, games: int) -> None:
             sys.exit("The sweep on the cluster failed.")
 
 
-def empty_tasks(engine: Engine, folder: Path) -> tuple[float, float]:
+def empty_tasks(engine: Engine[SweepTask], folder: Path) -> tuple[float, float]:
     """Run tasks whose results already exist. Return wall time and processor time of this process per task, seconds."""
     design = read_design(folder / "design.yaml")
     (task, *_) = tasks_of(design, open_folder(design, folder / "two"), lambda _chunk: True)
@@ -140,9 +142,12 @@ def main() -> int:
         (folder / "design.yaml").write_text(DESIGN.replace("GAMES", str(games)))
         play = ("play", folder / "study.yaml", "--headless", "--json")
         run(*play, "--bag", folder / "warm.bag")  # this compiles the kernels if needed
-        spent, _ = cpu_of(
-            lambda: [run(*play, "--seed", str(seed), "--bag", folder / f"{seed}.bag") for seed in range(1, PLAYS + 1)]
-        )
+
+        def play_all() -> None:
+            for seed in range(1, PLAYS + 1):
+                run(*play, "--seed", str(seed), "--bag", folder / f"{seed}.bag")
+
+        spent, _ = cpu_of(play_all)
         print(
             f"play: {spent / PLAYS:.2f} s of processor time per game, {spent / PLAYS * games:.0f} s for {games}",
             flush=True,
@@ -150,7 +155,7 @@ def main() -> int:
         for processes, out, count in ((1, "one", games // 5), (2, "two", games)):
             (folder / f"{out}.yaml").write_text(DESIGN.replace("GAMES", str(count)))
             words = ("sweep", folder / f"{out}.yaml", "--out", folder / out, "--processes", str(processes))
-            cpu, wall = cpu_of(lambda words=words: run(*words))
+            cpu, wall = cpu_of(partial(run, *words))
             inside = float(compute.sum(collect(folder / out)["cpu_seconds"]).as_py())
             print(
                 f"{processes} processes: {cpu:.0f} s of processor time ({inside:.0f} s in games), {wall:.0f} s; "
@@ -169,7 +174,7 @@ def main() -> int:
             flush=True,
         )
         with cluster(folder) as (address, scheduler, _):
-            engine = DaskEngine(address)
+            engine = DaskEngine[SweepTask](address)
             before = cpu_so_far(scheduler)
             wall, ours = empty_tasks(engine, folder)
             cost = (cpu_so_far(scheduler) - before) / EMPTY_TASKS

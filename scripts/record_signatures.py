@@ -7,8 +7,10 @@ call.
 import os
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from unittest.mock import patch
 
 FOLDER = TemporaryDirectory()
 # The cache is empty, so that this script observes every compilation.
@@ -16,14 +18,15 @@ os.environ["NUMBA_CACHE_DIR"] = FOLDER.name
 
 from numba.core import event  # noqa: E402
 
+from sim.inputs import TeamInput  # noqa: E402
 from sim.numerics.signatures import RECORDED, as_line, is_kernel  # noqa: E402
-from sim.team import Team  # noqa: E402
+from sim.team import Team, TeamSnapshot  # noqa: E402
 from ui.cli import main  # noqa: E402
 
 STUDY = "robots: 2\n"
 
 
-class Compilations(event.Listener):
+class Compilations(event.Listener):  # type: ignore[misc]  # numba has no types
     """Kernels in the order in which a hunt compiles them (inner kernels first), with their compile times in seconds."""
 
     def __init__(self) -> None:
@@ -62,14 +65,13 @@ event.register("numba:compile", calls)
 step = Team.step
 
 
-def counted(*arguments: object) -> object:
+def counted(team: Team, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
     """Run a tick, and count it."""
-    result = step(*arguments)
+    snapshot = step(team, inputs)
     calls.ticks += 1
-    return result
+    return snapshot
 
 
-Team.step = counted
 sys.argv = [
     "thbridge",
     "play",
@@ -86,7 +88,8 @@ sys.argv = [
 os.chdir(FOLDER.name)
 Path("study.yaml").write_text(STUDY)
 try:
-    main()
+    with patch.object(Team, "step", counted):
+        main()
 except SystemExit:
     RECORDED.write_text("".join(f"{line}\n" for _, line in calls.lines))
     print(f"{len(calls.lines)} kernels, {sum(seconds for seconds, _ in calls.lines):.1f} s of compiling")

@@ -48,17 +48,17 @@ T = TypeVar("T")
 MAPS = ("arena8", "warehouse12")
 MAX_SECONDS = 1800.0
 """Simulated seconds after which a hunt counts as stuck."""
-PARTICIPANTS: Mapping[str, Callable[[Attitude, BotStrategy], bool]] = {
+PARTICIPANTS: Mapping[str, Callable[[Attitude, str], bool]] = {
     "all": lambda _attitude, _strategy: True,
     "attentive": lambda attitude, _strategy: attitude is not Attitude.SCEPTICAL,
     "attentive, by suggestion": lambda attitude, strategy: (
-        attitude is not Attitude.SCEPTICAL and strategy is BotStrategy.SUGGESTION
+        attitude is not Attitude.SCEPTICAL and strategy == BotStrategy.SUGGESTION
     ),
     "attentive, nearest": lambda attitude, strategy: (
-        attitude is not Attitude.SCEPTICAL and strategy is BotStrategy.NEAREST
+        attitude is not Attitude.SCEPTICAL and strategy == BotStrategy.NEAREST
     ),
     "attentive, random": lambda attitude, strategy: (
-        attitude is not Attitude.SCEPTICAL and strategy is BotStrategy.RANDOM
+        attitude is not Attitude.SCEPTICAL and strategy == BotStrategy.RANDOM
     ),
 }
 """Groups of participants to compare. Attentive participants consider what robots say."""
@@ -111,7 +111,7 @@ class Outcome:
     rooms: int = 0
     energy: float = 0.0
     replies: int = 0
-    who: tuple[Attitude, BotStrategy] = (Attitude.CREDULOUS, BotStrategy.RANDOM)
+    who: tuple[Attitude, str] = (Attitude.CREDULOUS, BotStrategy.RANDOM)
     fault: str = ""
 
 
@@ -135,7 +135,7 @@ class GoalTimer:
             self.reached += isinstance(navigation.result, GoalReached)
             if isinstance(navigation.result, NoPath):
                 self.failures.append(navigation.result.reason)
-            here = Pose2(*snapshot.world.poses[robot])
+            here = Pose2(*snapshot.truth.poses[robot])
             before = self._place[robot]
             moved = (
                 before is None
@@ -240,7 +240,7 @@ def play(hunt: Hunt) -> Outcome:
         session.tick * TICK,
         watch.reached,
         tuple(watch.failures),
-        int(simr.snapshot.world.collisions.sum()) if simr.snapshot is not None else 0,
+        int(simr.snapshot.truth.collisions.sum()) if simr.snapshot is not None else 0,
         watch.waited * TICK,
         watch.open * TICK,
         time.process_time() - began,

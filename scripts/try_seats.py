@@ -27,6 +27,7 @@ from itertools import groupby
 from multiprocessing import get_context
 from pathlib import Path
 from statistics import mean, stdev
+from typing import TypeVar
 
 from sim.common.observations import TICKS_PER_SECOND
 from sim.numerics import noise
@@ -47,6 +48,7 @@ from thbridge.roles.shared.role import Role
 from thbridge.study.seats import AgreementSection, SeatEntry, TeamSection
 from thbridge.study.study_file import DialogueSection, GameSection, Study
 
+T = TypeVar("T")
 MAX_SECONDS = 1800.0
 """Simulated seconds after which a hunt counts as stuck."""
 PEOPLE = (2, 3, 4)
@@ -155,7 +157,7 @@ def study_of(hunt: Hunt) -> Study:
     """Return the study of a hunt. It depends only on the hunt."""
     key, plan = noise.key(hunt.seed, "seats", hunt.plan), PLANS[hunt.plan]
 
-    def draw(options: Sequence[object], number: int) -> object:
+    def draw(options: Sequence[T], number: int) -> T:
         return options[int(noise.uniform(key, number, 0) * len(options))]
 
     seats = tuple(

@@ -9,11 +9,15 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import get_args, get_type_hints
+from typing import TYPE_CHECKING, get_args, get_type_hints
 
 from sim.parameters import RobotParameters, not_in_ros
+from sim.parameters.declaration import is_section
 from sim.parameters.reconfiguration import is_live
 from thbridge.files.yaml.declarations import allowed, ros_only_of, sections_named_in
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 ROOT = Path(__file__).parents[1]
 
@@ -90,7 +94,7 @@ class Row:
         return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
-def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) -> Iterator[Row]:
+def rows(standard: "DataclassInstance", hunts: object, prefix: str = "", ours: bool = False) -> Iterator[Row]:
     """Yield the rows of all parameters of a section and of its subsections.
 
     Args:
@@ -107,11 +111,11 @@ def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) 
         live = is_live(field)
         theirs = not ours and field.name not in not_in_ros(into)
         state = ("live" if live else "yes") if theirs else f"ours{', live' if live else ''}"
-        if dataclasses.is_dataclass(own):
+        if is_section(own):
             yield from rows(own, other, f"{name}.", not theirs)
             continue
         item = next(iter(get_args(hints[field.name])), None)
-        if dataclasses.is_dataclass(item):
+        if isinstance(item, type) and dataclasses.is_dataclass(item):
             names = field.name == sections_named_in(into)
             lists = [", ".join(entry.name for entry in entries) or "none" for entries in (own, other)]
             yield Row(name, state, lists[0], lists[1] if lists[1] != lists[0] else NOTHING, meaning=meaning(help_text))

@@ -128,8 +128,8 @@ def play(encounter: Encounter, seed: int = 1) -> EncounterRun:
     while len(ends) < alive and len(poses) * TICK < LIMIT:
         snapshot = team.step(inputs)
         inputs = []
-        poses.append(snapshot.world.poses.copy())
-        collisions = int(snapshot.world.collisions.sum())
+        poses.append(snapshot.truth.poses.copy())
+        collisions = int(snapshot.truth.collisions.sum())
         for robot, output in enumerate(snapshot.robots):
             match output.navigation.result:
                 case GoalReached():

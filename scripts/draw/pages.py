@@ -19,10 +19,10 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
 from pictured import kiosk, language, participant  # noqa: E402
-from pictured.pages import BROWSER_ONLY, GROUPS, PageState, state_of  # noqa: E402
+from pictured.pages import BROWSER_ONLY, GROUPS, state_of  # noqa: E402
 
 from tests.support.programs.chromium import Chromium  # noqa: E402
-from tests.support.programs.shown_pages import StateServer  # noqa: E402
+from tests.support.programs.shown_pages import PageState, StateServer  # noqa: E402
 from ui.windows.application import application as open_application  # noqa: E402
 
 PICTURES = ROOT / "docs" / "pictures" / "pages"

@@ -7,7 +7,7 @@ upper left, and the treasure has a shadow on the floor.
 """
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -83,7 +83,8 @@ def box(half: Sequence[float], centre: Sequence[float], rounding: float) -> Call
 
     def distance(points: Floats) -> Floats:
         beyond = np.abs(points - np.array(centre)) - (np.array(half) - rounding)
-        return np.linalg.norm(np.maximum(beyond, 0.0), axis=1) + np.minimum(beyond.max(axis=1), 0.0) - rounding
+        gap: Floats = np.linalg.norm(np.maximum(beyond, 0.0), axis=1) + np.minimum(beyond.max(axis=1), 0.0)
+        return gap - rounding
 
     return distance
 
@@ -201,9 +202,10 @@ def basketball() -> Solid:
 
     def distance(points: Floats) -> Floats:
         unit = tilted(points)
-        pebbles = 0.004 * np.prod(np.sin(46.0 * unit), axis=1)
+        pebbles: Floats = 0.004 * np.prod(np.sin(46.0 * unit), axis=1)
         groove = 0.022 * np.exp(-((seam(points) / 0.02) ** 2))
-        return np.linalg.norm(points - centre, axis=1) - radius + groove + pebbles
+        gap: Floats = np.linalg.norm(points - centre, axis=1) - radius
+        return gap + groove + pebbles
 
     def colour(points: Floats) -> Floats:
         paint = painted(points, rgb(0xE06A16))
@@ -228,7 +230,8 @@ def fuzzy_die() -> Solid:
             29.0 * points + 6.0 * np.sin(17.0 * points[:, [1, 2, 0]] + 3.0 * np.sin(7.0 * points[:, [2, 0, 1]]))
         )
         fine = np.sin(83.0 * points[:, [2, 0, 1]] + 4.0 * np.sin(61.0 * points))
-        return 0.6 * np.abs(shag).prod(axis=1) + 0.4 * np.abs(fine).prod(axis=1)
+        length: Floats = 0.6 * np.abs(shag).prod(axis=1) + 0.4 * np.abs(fine).prod(axis=1)
+        return length
 
     def distance(points: Floats) -> Floats:
         spun = turned(points, angle)
@@ -340,7 +343,12 @@ def ceramic(shape: Callable[[Floats], Floats], glaze: int, foot: float) -> Solid
 
 def joined(*shapes: Callable[[Floats], Floats]) -> Callable[[Floats], Floats]:
     """Return the union of shapes."""
-    return lambda points: np.minimum.reduce([shape(points) for shape in shapes])
+
+    def distance(points: Floats) -> Floats:
+        gap: Floats = np.minimum.reduce([shape(points) for shape in shapes])
+        return gap
+
+    return distance
 
 
 def ring(centre: Sequence[float], radius: float, thickness: float) -> Callable[[Floats], Floats]:
@@ -348,7 +356,8 @@ def ring(centre: Sequence[float], radius: float, thickness: float) -> Callable[[
 
     def distance(points: Floats) -> Floats:
         offset = points - np.array(centre)
-        return np.hypot(np.hypot(offset[:, 0], offset[:, 1]) - radius, offset[:, 2]) - thickness
+        gap: Floats = np.hypot(np.hypot(offset[:, 0], offset[:, 1]) - radius, offset[:, 2]) - thickness
+        return gap
 
     return distance
 
@@ -386,10 +395,11 @@ def march(solid: Solid, start: Floats, direction: Floats, far: float) -> tuple[F
 def normals(solid: Solid, points: Floats) -> Floats:
     """Return (n, 3) unit normals of the surface, outward."""
     step = 0.002
-    slope = np.stack(
+    slope: Floats = np.stack(
         [solid.distance(points + step * axis) - solid.distance(points - step * axis) for axis in np.eye(3)], axis=1
     )
-    return slope / np.linalg.norm(slope, axis=1, keepdims=True)
+    slope /= np.linalg.norm(slope, axis=1, keepdims=True)
+    return slope
 
 
 def draw(solid: Solid) -> Image.Image:
@@ -447,10 +457,11 @@ def lit(solid: Solid, points: Floats, direction: Floats) -> Floats:
     rim = 0.25 * solid.gloss * (1.0 + np.clip((normal * direction).sum(axis=1), -1.0, 0.0)) ** 4
     paint = solid.colour(points)
     ambient = floor * (0.16 + 0.30 * sky)
-    return paint * (ambient + 0.85 * sun)[:, None] + (0.75 * shine + rim * floor)[:, None]
+    light: Floats = paint * (ambient + 0.85 * sun)[:, None] + (0.75 * shine + rim * floor)[:, None]
+    return light
 
 
-PICTURES = {
+PICTURES: Mapping[str, Callable[[], Solid]] = {
     "practice/pictures/green_bottle.jpg": lambda: soft_drink_bottle(0x3FB861, 0x1F8A44),
     "practice/pictures/green_can.jpg": lambda: can(0x49C46B, 0x14622F),
     "original-2016/pictures/rsz_t1.jpg": lambda: soft_drink_bottle(0xF58A12, 0xE06A00),

@@ -43,7 +43,7 @@ def run(tmp_path: Path, *advisories: dict[str, object]) -> subprocess.CompletedP
     [("1.1", True), ("1.2", False), ("1.3rc1", False), ("1.4", True), ("1.5", True), ("1.5.1", False), ("2.0", True)],
 )
 def test_a_version_is_affected_between_the_events_of_a_range(version: str, affected: bool) -> None:
-    assert script["within"](version, {"events": EVENTS[::-1]}) is affected
+    assert script["within"](version, EVENTS[::-1]) is affected
 
 
 def test_affected_pins_are_told_and_end_with_1(tmp_path: Path) -> None:

@@ -1,10 +1,7 @@
 """Real game in this process, and the model of the participant's window."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
-
-from msgspec import structs
 
 from pictured import language
 from sim.common.observations import TICK
@@ -35,6 +32,7 @@ class PicturedHunt:
         now: seconds of the window's clock.
         shade: function that changes the game's messages before the window gets them.
         levels: latest message of each kind.
+        view: latest view of the game.
     """
 
     def __init__(self, study: Study) -> None:
@@ -56,6 +54,8 @@ class PicturedHunt:
     def observe(self, level: ParticipantUpdate) -> None:
         """Handle a message of the game."""
         self.levels[type(level)] = level
+        if isinstance(level, View):
+            self.view = level
         self.model.receive(self.shade(level), self.now)
 
     def requests(self, _view: View) -> Sequence[ParticipantRequest]:
@@ -114,9 +114,9 @@ class PicturedHunt:
             act: word for the effect of the answer.
             which: index among several answers with this effect, from 0.
         """
-        pop, view = self.screen.popup, self.levels[View]
+        pop = self.screen.popup
         robot = pop.robot if isinstance(pop, DialoguePopup) else None
-        acts = [each for dialogue in view.dialogues if dialogue.robot == robot for each in dialogue.acts]
+        acts = [each for dialogue in self.view.dialogues if dialogue.robot == robot for each in dialogue.acts]
         found = [at for at, each in enumerate(acts) if each == act]
         if len(found) <= which:
             raise RuntimeError(f"there is no answer {act}: {acts}")
@@ -135,12 +135,4 @@ class PicturedHunt:
     def change_view(self, change: Callable[[View], View]) -> None:
         """Apply a function to the present view of the game and to each later view."""
         self.shade = lambda seen: change(seen) if isinstance(seen, View) else seen
-        view = self.levels[View]
-        self.model.receive(self.shade(view), self.now)
-
-
-def with_robot(view: View, robot: int, **changes: object) -> View:
-    """Return a view with changes of one robot."""
-    robots = list(view.robots)
-    robots[robot] = replace(robots[robot], **changes)
-    return structs.replace(view, robots=tuple(robots))
+        self.model.receive(self.shade(self.view), self.now)

@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import structs
 
 from pictured import language
-from pictured.hunt import PicturedHunt, with_robot
+from pictured.hunt import PicturedHunt
 from pictured.shot import Shot, Story, unkept_preferences
 from sim.common.geometry import Pose2
 from sim.inputs import KidnapRobot, SetPoseEstimate
@@ -246,9 +246,11 @@ def _queue(hunt: PicturedHunt, window: PicturedWindow) -> Iterator[Shot]:
 
 def _in_trouble(view: View) -> View:
     """Return a view in which one robot is lost, one has no energy left, and one does not answer."""
-    lost = with_robot(view, 0, condition=Condition.LOST, moving_to=None)
-    spent = with_robot(lost, 1, energy=0.0, blocked=True, moving_to=None)
-    return with_robot(spent, 2, condition=Condition.SILENT)
+    first, second, third, *others = view.robots
+    lost = replace(first, condition=Condition.LOST, moving_to=None)
+    spent = replace(second, energy=0.0, blocked=True, moving_to=None)
+    silent = replace(third, condition=Condition.SILENT)
+    return structs.replace(view, robots=(lost, spent, silent, *others))
 
 
 def _end(hunt: PicturedHunt, window: PicturedWindow) -> Iterator[Shot]:

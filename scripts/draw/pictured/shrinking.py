@@ -40,7 +40,7 @@ def palette_of(colours: NDArray[np.float32], counts: NDArray[np.int64], number: 
     Half of them are the most frequent colors, so that backgrounds stay the same. Then the color that is farthest from
     all kept colors is added, again and again. So rare but important colors, such as a robot's color, are kept.
     """
-    kept = np.argsort(-counts, kind="stable")[: number // 2].tolist()
+    kept: list[int] = np.argsort(-counts, kind="stable")[: number // 2].tolist()
     frequent = counts >= counts.sum() / RARE
     distance = ((colours[:, None] - colours[kept][None]) ** 2).sum(axis=2).min(axis=1)
     while len(kept) < min(number, len(colours)):

@@ -7,12 +7,13 @@ from pathlib import Path
 
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLineEdit
+from PySide6.QtWidgets import QApplication, QLineEdit, QTableWidget
 
 from pictured.shot import Shot, Story
 from thbridge.files.resources import shipped
-from ui.windows.study import StudyWindow, study_window
+from ui.windows.study import study_window
 from ui.windows.study.resource_list import ResourceList
+from ui.windows.study.window import StudyWindow
 from ui.windows.templates.window import TemplateWindow
 
 SIZE = (1240, 860)
@@ -83,11 +84,11 @@ def templates() -> Iterator[Shot]:
     yield Shot("templates-properties", window)
     window.tabs.setCurrentWidget(window.sheets["Treasures"])
     sheet.setCurrentCell(4, 3)
-    sheet.item(4, 3).setText("gren")
+    _write(sheet, 4, 3, "gren")
     _wait(lambda: bool(window.draft is not None and window.draft.faults))
     yield Shot("templates-fault", window)
-    sheet.item(4, 3).setText("green")
-    sheet.item(5, 1).setText("25")
+    _write(sheet, 4, 3, "green")
+    _write(sheet, 5, 1, "25")
     _wait(lambda: bool(window.draft is not None and not window.draft.faults))
     window.tabs.setCurrentWidget(window.changes)
     yield Shot("templates-changes", window)
@@ -105,6 +106,10 @@ def shot(name: str, window: StudyWindow) -> Shot:
         lambda _: window.repaint_all(),
         settled=lambda: window.editor.settled and not window.noise.busy,
     )
+
+
+def _write(sheet: QTableWidget, row: int, column: int, text: str) -> None:
+    sheet.model().setData(sheet.model().index(row, column), text)
 
 
 def _type(window: StudyWindow, key: str, text: str) -> None:
