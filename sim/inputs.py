@@ -10,6 +10,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.costmap.view import CostmapName
 from sim.robot.navigator.goals import Goal
 from sim.world.thing import Thing
 
@@ -75,6 +76,24 @@ class ClearCostmaps:
     """Let both costmaps of a robot forget what the laser has seen (ROS: move_base/clear_costmaps)."""
 
     robot: int
+
+
+@dataclass(frozen=True, slots=True)
+class ClearCostmapRegion:
+    """Let one costmap of a robot forget what the laser has seen in a region (Nav2: clear_around_local_costmap etc.).
+
+    Attributes:
+        costmap: name of the costmap.
+        side: side of a square along the axes of the costmap, meters. If None, the region is the whole costmap.
+        middle: middle of the square in the map. If None, the robot's pose estimate.
+        outside: True if the region is outside the square.
+    """
+
+    robot: int
+    costmap: CostmapName
+    side: float | None = None
+    middle: Pose2 | None = None
+    outside: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,6 +182,7 @@ TeamInput = (
     | GlobalLocalization
     | NomotionUpdate
     | ClearCostmaps
+    | ClearCostmapRegion
     | SetSoftwareParameters
     | SetWorldParameters
     | SetCharge
@@ -182,6 +202,7 @@ TEAM_INPUTS: dict[str, type[TeamInput]] = {
     "Globalize": GlobalLocalization,
     "RequestUpdate": NomotionUpdate,
     "ClearCostmaps": ClearCostmaps,
+    "ClearCostmapRegion": ClearCostmapRegion,
     "Configure": SetSoftwareParameters,
     "Disturb": SetWorldParameters,
     "SetCharge": SetCharge,

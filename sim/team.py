@@ -19,6 +19,7 @@ from sim.common.observations import Neighbour
 from sim.common.robot_numbers import namespace_of
 from sim.inputs import (
     CancelGoal,
+    ClearCostmapRegion,
     ClearCostmaps,
     DriveManually,
     GlobalLocalization,
@@ -41,6 +42,8 @@ from sim.numerics import noise
 from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters, WorldParameters
 from sim.parameters.reconfiguration import P, fixed_differences
+from sim.robot.costmap.robot_costmap import RobotCostmap
+from sim.robot.costmap.view import CostmapName
 from sim.robot.global_planning.path import PlanRefusal
 from sim.robot.global_planning.wave import Workspace
 from sim.robot.installed_parts import InstalledParts
@@ -256,6 +259,15 @@ class Team:
         base_in_map = self.believed_pose(robot)
         return self._robots[robot].navigator.make_plan(base_in_map, start or base_in_map, goal, tolerance)
 
+    def costmap(self, robot: int, name: CostmapName) -> RobotCostmap:
+        """Return a costmap of a robot, with the robot's footprint. The simulation does not change.
+
+        Args:
+            robot: index of the robot.
+            name: name of the costmap.
+        """
+        return self._robots[robot].navigator.costmap(name, self.believed_pose(robot))
+
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
         """Step by one tick. Inputs received since the last tick are applied first, in their order.
 
@@ -352,6 +364,7 @@ class Team:
                 | GlobalLocalization(robot)
                 | NomotionUpdate(robot)
                 | ClearCostmaps(robot)
+                | ClearCostmapRegion(robot)
                 | SetSoftwareParameters(robot)
             ) if robot in self._dead:
                 pass  # The software of a dead robot ignores requests.
@@ -373,6 +386,9 @@ class Team:
                 self._robots[robot].localizer.request_update()
             case ClearCostmaps(robot):
                 self._robots[robot].navigator.clear_costmaps()
+            case ClearCostmapRegion(robot, name, side, middle, outside):
+                middle = middle or self.believed_pose(robot)
+                self._robots[robot].navigator.clear_region(name, middle, side, outside=outside)
             case SetSoftwareParameters(robot, software):
                 self._configure(robot, software)
             case SetWorldParameters(robot, true):

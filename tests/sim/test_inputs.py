@@ -9,6 +9,7 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import TICK, Twist
 from sim.inputs import (
+    ClearCostmapRegion,
     ClearCostmaps,
     DriveManually,
     GlobalLocalization,
@@ -119,6 +120,41 @@ def test_cleared_costmaps_forget_what_is_seen_no_more():
     assert seen(run(team, 1, ClearCostmaps(0))) == [False, False]
 
 
+@pytest.mark.parametrize(
+    ("side", "around_crate", "outside"),
+    [(0.5, True, False), (3.0, False, False), (0.5, False, True), (None, False, False)],
+)
+def test_a_region_of_one_costmap_is_cleared_and_its_present_costs_can_be_read(side, around_crate, outside):
+    start, team = ARENA.starts[0], team_of(parameters=KNOWING)
+    place = beside(start, 0.9).base_in_map
+
+    def lethal():
+        """Whether the global costmap has an obstacle at the place, which the robot cannot see."""
+        around = [place.compose(Pose2(0.05 * i, 0.05 * k, 0.0)) for i in range(-4, 5) for k in range(-4, 5)]
+        return LETHAL in {team.costmap(0, "global_costmap").cost_at(each) for each in around}
+
+    run(team, 3, PutThing(beside(start, 0.9)), DriveManually(0, Twist(0.0, 1.5), 105))
+    run(team, 1, RemoveThing("crate"))
+    elsewhere = ClearCostmapRegion(0, "global_costmap", 0.5), ClearCostmapRegion(0, "global_costmap", 3.0, None, True)
+    run(team, 0.1, *elsewhere, ClearCostmapRegion(0, "local_costmap"))
+    assert lethal()
+    run(team, 0.1, ClearCostmapRegion(0, "global_costmap", side, place if around_crate else None, outside))
+    assert not lethal()
+
+
+def test_reading_a_costmap_changes_nothing():
+    traces = []
+    for reads in (False, True):
+        team = team_of(2)
+        traces.append(trace(run(team, 1, *(SendGoal(robot, Goal(1, ARENA.rooms[3].goal)) for robot in (0, 1)))))
+        for _ in range(SECOND):
+            traces[-1] += trace([team.step()])
+            if reads:
+                team.costmap(0, "global_costmap").footprint_cost(ARENA.starts[0])
+                team.costmap(0, "local_costmap")
+    assert traces[0] == traces[1]
+
+
 def test_driving_by_hand_ends_a_goal_and_then_stops_by_itself():
     team = team_of()
     run(team, 2, SendGoal(0, Goal(1, ARENA.rooms[3].goal)))
@@ -151,6 +187,7 @@ def test_a_dead_robot_hears_nothing():
         GlobalLocalization(0),
         NomotionUpdate(0),
         ClearCostmaps(0),
+        ClearCostmapRegion(0, "global_costmap"),
         DriveManually(0, Twist(1.0, 0.0), 50),
         SendGoal(0, Goal(1, ARENA.rooms[3].goal)),
     ]

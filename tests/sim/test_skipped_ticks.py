@@ -10,6 +10,7 @@ import pytest
 from sim.common.observations import Twist
 from sim.inputs import (
     CancelGoal,
+    ClearCostmapRegion,
     ClearCostmaps,
     DriveManually,
     GlobalLocalization,
@@ -71,6 +72,7 @@ def requests(seed: int, robots: int, tick: int):
         GlobalLocalization(robot),
         NomotionUpdate(robot),
         ClearCostmaps(robot),
+        ClearCostmapRegion(robot, "local_costmap", 1.0),
         PutThing(crate),
     ]
     if tick == 1:

@@ -35,6 +35,7 @@ class Costmap2D:
         footprint: (n, 2) padded corners, base frame, meters.
         inscribed_radius: inscribed radius of the padded footprint, meters.
         circumscribed_radius: circumscribed radius of the padded footprint, meters.
+        circular: True if the footprint is a circle (robot_radius), not a polygon.
         obstacles: layer of the obstacles that the laser has seen.
     """
 
@@ -51,6 +52,7 @@ class Costmap2D:
         self._parameters = parameters
         self.footprint = pad(_corners(parameters, self._body), parameters.footprint_padding)
         self.inscribed_radius, self.circumscribed_radius = radii(self.footprint)
+        self.circular = not parameters.footprint and parameters.robot_radius is not None
         self._shape: tuple[int, int] | None = None
         if isinstance(parameters, LocalCostmapParameters):
             # Rounding errors must not change the number of cells.

@@ -524,19 +524,30 @@ class ObstacleLayer:
             window.of(self.marks, self._origin)[:] = self._default
             self._changes.add(window)
 
+    def clear_inside(self, x: float, y: float, side: float) -> None:
+        """Forget all marks inside a square of this side around a map point (Nav2: clear_around)."""
+        inside = self._square(x, y, side)
+        if not inside.empty:
+            inside.of(self.marks, self._origin)[:] = self._default
+            self._changes.add(inside)
+
     def clear_outside(self, x: float, y: float, side: float) -> None:
         """Forget all marks outside a square of this side around a map point (clear_costmap_recovery)."""
+        inside = self._square(x, y, side)
+        kept = None if inside.empty else inside.of(self.marks, self._origin).copy()
+        self.clear()
+        if kept is not None:
+            inside.of(self.marks, self._origin)[:] = kept
+
+    def _square(self, x: float, y: float, side: float) -> Window:
+        """Return the cells of a square of this side around a map point, as far as the marks cover them."""
         low, high = (
             math.floor((y - self._grid.origin.y + half) / self._grid.resolution) for half in (-side / 2, side / 2)
         )
         left, right = (
             math.floor((x - self._grid.origin.x + half) / self._grid.resolution) for half in (-side / 2, side / 2)
         )
-        inside = Window(low, left, high + 1, right + 1).clipped(self.window)
-        kept = None if inside.empty else inside.of(self.marks, self._origin).copy()
-        self.clear()
-        if kept is not None:
-            inside.of(self.marks, self._origin)[:] = kept
+        return Window(low, left, high + 1, right + 1).clipped(self.window)
 
     def bounds(self) -> tuple[Window, ...]:
         """Return the windows that were marked or cleared since the last call."""

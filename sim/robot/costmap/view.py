@@ -1,11 +1,15 @@
 """Costmap for readers outside the navigator."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.common.geometry import Pose2
+
+CostmapName = Literal["global_costmap", "local_costmap"]
+"""Name of one of a robot's costmaps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

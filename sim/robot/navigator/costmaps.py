@@ -10,7 +10,8 @@ from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters
 from sim.robot.costmap.costmap_2d import Costmap2D
 from sim.robot.costmap.obstacle import CostmapObservation
-from sim.robot.costmap.view import CostmapView
+from sim.robot.costmap.robot_costmap import RobotCostmap
+from sim.robot.costmap.view import CostmapName, CostmapView
 from sim.robot.navigator.rotated_map import RotatedMap
 from sim.robot.navigator.stale_neighbours import StaleNeighbours
 
@@ -59,10 +60,19 @@ class CostmapPublisher:
             pending: a scan that the costmap has not processed yet.
         """
         self._first = False
-        costs, frame = self._costmap.as_updated(pose.x, pose.y, neighbours, pending)
-        costs.setflags(write=False)
-        corner = self._turned.poses_in_map(np.array([[frame.x, frame.y, 0.0]]))[0].tolist()
-        return CostmapView(tick, Pose2(*corner), frame.resolution, costs)
+        now = self.at(tick, pose, neighbours, pending)
+        now.costs.setflags(write=False)
+        return CostmapView(tick, now.origin, now.resolution, now.costs)
+
+    def at(
+        self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour], pending: CostmapObservation | None
+    ) -> RobotCostmap:
+        """Return the costmap as it would be after an update in this tick, with the footprint; see `show`."""
+        costmap = self._costmap
+        costs, frame = costmap.as_updated(pose.x, pose.y, neighbours, pending)
+        poses = np.array([[pose.x, pose.y, pose.theta], [frame.x, frame.y, 0.0]])
+        base, corner = (Pose2(*each) for each in self._turned.poses_in_map(poses).tolist())
+        return RobotCostmap(tick, base, corner, frame.resolution, costs, costmap.footprint, costmap.circular)
 
 
 class Costmaps:
@@ -106,6 +116,23 @@ class Costmaps:
         self.global_costmap.obstacles.clear()
         self.local_costmap.obstacles.clear()
 
+    def clear_region(self, name: CostmapName, x: float, y: float, side: float | None, *, outside: bool = False) -> None:
+        """Let one costmap forget what the laser has seen in a region.
+
+        Args:
+            name: name of the costmap.
+            x: middle of a square in the grid's frame, with `y`.
+            side: side of the square, meters. If None, the region is the whole costmap.
+            outside: True if the region is outside the square.
+        """
+        obstacles = (self.global_costmap if name == "global_costmap" else self.local_costmap).obstacles
+        if side is None:
+            obstacles.clear()
+        elif outside:
+            obstacles.clear_outside(x, y, side)
+        else:
+            obstacles.clear_inside(x, y, side)
+
     def clear_outside(self, x: float, y: float, side: float) -> None:
         """Forget what the laser has seen outside a square of this side around a map point."""
         self.global_costmap.obstacles.clear_outside(x, y, side)
@@ -132,3 +159,11 @@ class Costmaps:
             whole.show(tick, pose, stale.known(tick), None) if whole.due(tick) else None,
             around.show(tick, pose, stale.known(tick), pending) if around.due(tick) else None,
         )
+
+    def at(
+        self, name: CostmapName, tick: int, pose: Pose2, stale: StaleNeighbours, pending: CostmapObservation | None
+    ) -> RobotCostmap:
+        """Return one of the costmaps as it would be after an update in this tick; see `shown`."""
+        if name == "global_costmap":
+            return self._whole_display.at(tick, pose, stale.known(tick), None)
+        return self._around_display.at(tick, pose, stale.known(tick), pending)

@@ -28,7 +28,9 @@ from sim.numerics import noise
 from sim.numerics.float_array import FloatArray
 from sim.parameters import GlobalPlannerParameters, NavfnParameters, RobotParameters
 from sim.robot.costmap.obstacle import CostmapObservation
+from sim.robot.costmap.robot_costmap import RobotCostmap
 from sim.robot.costmap.robots import neighbours_reaching
+from sim.robot.costmap.view import CostmapName
 from sim.robot.global_planning.itinerary_planner import ItineraryPlanner
 from sim.robot.global_planning.make_plan import make_plan
 from sim.robot.global_planning.path import PlannerFactory, PlanRefusal, RobotPathPlanner
@@ -132,6 +134,11 @@ class Navigator:
         """Forget what the laser has seen."""
         self._costmaps.clear()
 
+    def clear_region(self, name: CostmapName, middle: Pose2, side: float | None, *, outside: bool) -> None:
+        """Let one costmap forget what the laser has seen in a region; see `Costmaps.clear_region`."""
+        place = self._rotated.pose_in_grid(middle)
+        self._costmaps.clear_region(name, place.x, place.y, side, outside=outside)
+
     def configure(self, parameters: RobotParameters) -> None:
         """Continue with these parameters (ROS: dynamic_reconfigure). Keep goal, plan and seen obstacles."""
         before = self._parameters
@@ -145,6 +152,16 @@ class Navigator:
             )
         self._controller.configure(parameters)
         self._execution.configure(parameters.move_base, self._costmaps.global_costmap.circumscribed_radius)
+
+    def costmap(self, name: CostmapName, base_in_map: Pose2) -> RobotCostmap:
+        """Return a costmap with the present observations. The robot does not change.
+
+        Args:
+            name: name of the costmap.
+            base_in_map: pose estimate of the robot.
+        """
+        pose = self._rotated.pose_in_grid(base_in_map)
+        return self._costmaps.at(name, self._tick, pose, self._stale, self._controller.pending)
 
     def make_plan(self, base_in_map: Pose2, start: Pose2, goal: Pose2, tolerance: float) -> FloatArray | PlanRefusal:
         """Make a plan on request (ROS: move_base/make_plan). The robot does not change.

@@ -236,6 +236,30 @@ def test_all_that_is_marked_lies_in_its_extents_and_is_forgotten_when_it_is_clea
     assert np.array_equal(layer.marks, blank)
 
 
+@given(
+    st.lists(st.tuples(st.integers(0, 59), st.integers(0, 79)), max_size=20),
+    st.floats(-2.0, 4.0),
+    st.floats(-2.0, 3.0),
+    st.floats(-0.5, 3.0),
+)
+def test_each_mark_is_either_inside_a_square_or_outside_of_it(cells, x, y, side):
+    inside, outside = layer_of(), layer_of()
+    for layer in (inside, outside):
+        for row, col in cells:
+            layer.marks[row, col] = LETHAL
+    every = lethal(inside)
+    inside.clear_outside(x, y, side)
+    outside.clear_inside(x, y, side)
+    assert lethal(inside) | lethal(outside) == every
+    assert not lethal(inside) & lethal(outside)
+    for row, col in lethal(inside):
+        assert abs(-1.0 + 0.05 * (col + 0.5) - x) <= side / 2 + 0.025 + 1e-9
+        assert abs(-1.0 + 0.05 * (row + 0.5) - y) <= side / 2 + 0.025 + 1e-9
+    changed = outside.bounds()
+    for row, col in every - lethal(outside):
+        assert any(window.meets(Window(row, col, row + 1, col + 1)) for window in changed)
+
+
 def test_a_rolling_layer_keeps_what_stays_in_its_window():
     layer = layer_of(shape=(20, 30))
     layer.roll((10, 10))
