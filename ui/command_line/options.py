@@ -237,12 +237,15 @@ class Ros2Options:
             envvar="ROS_DOMAIN_ID",
             min=0,
             max=MOST_DOMAINS,
-            help="Domain id of the ROS 2 graph (default: 0).",
+            help="Domain id of the ROS 2 graph. If not given, that of the study (default 0).",
         ),
     ] = None
     carrier: Annotated[
         CarrierKind | None,
-        typer.Option(help="Protocol of the ROS 2 graph: `dds` (default), or `zenoh` (with a router)."),
+        typer.Option(
+            help="Protocol of the ROS 2 graph: `dds`, or `zenoh` (with a router). If not given, that of the study "
+            "(default dds)."
+        ),
     ] = None
 
 
