@@ -398,6 +398,12 @@ def requests_without_end(domain: int, count: int) -> tuple[int, int]:
         "/robot1/amcl/get_type_description": ("type_description_interfaces/srv/GetTypeDescription", {}),
         "/robot1/reinitialize_global_localization": ("std_srvs/srv/Empty", {}),
         "/robot1/global_costmap/clear_entirely_global_costmap": ("nav2_msgs/srv/ClearEntireCostmap", {}),
+        "/robot1/local_costmap/clear_around_local_costmap": (
+            "nav2_msgs/srv/ClearCostmapAroundRobot",
+            {"reset_distance": 1.0},
+        ),
+        "/robot1/global_costmap/get_costmap": ("nav2_msgs/srv/GetCostmap", {}),
+        "/robot1/is_path_valid": ("nav2_msgs/srv/IsPathValid", {}),
     }
     clients = []
     for service, (type_name, fields) in calls.items():

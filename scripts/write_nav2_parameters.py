@@ -1,4 +1,4 @@
-"""Write `docs/reference/nav2-parameters.md`: the parameters of a robot's Nav2 nodes with their paths, and services.
+"""Write `docs/reference/nav2-parameters.md`: the parameters of a robot's Nav2 nodes, with their paths.
 
 python scripts/write_nav2_parameters.py [FILE]
 """
@@ -16,10 +16,11 @@ from thbridge.ros2.parameters import NodeParameter, ParameterKind, ParameterNode
 ROOT = Path(__file__).parents[1]
 
 HEAD = """\
-# Nav2 parameters and services
+# Nav2 parameters
 
 This page is for people who read or change parameters of a robot on a ROS 2 graph, for example with `ros2 param` or
-rqt_reconfigure, or call services of a robot. `scripts/write_nav2_parameters.py` writes this page.
+rqt_reconfigure. `scripts/write_nav2_parameters.py` writes this page. [Nav2 services, actions and
+topics](nav2-services.md) lists what else these nodes offer.
 
 Each robot has the nodes below, in its namespace (`/robot1`, `/robot2`). The nodes of costmaps are
 `global_costmap/global_costmap` and `local_costmap/local_costmap`. The tables list the parameters that Nav2 also has.
@@ -51,26 +52,6 @@ The column "path" has the key in the study file, below `robot:`.
 * waypoint_follower: `loop_rate`, tasks at waypoints
 * map_server: `yaml_filename`
 * costmaps: filters, heights, voxels, ages of readings, minimum ranges, `transform_tolerance`, origins
-
-## Services
-
-Each node has the six services of its parameters, `get_type_description`, and events on `/parameter_events`. The node
-`/thbridge` has `get_logger_levels` and `set_logger_levels`. These services belong to a robot, here `/robot1`:
-
-| service | type | effect |
-|---|---|---|
-| `/robot1/NODE/get_state` | `lifecycle_msgs/GetState` | the state of each Nav2 node, always "active" |
-| `/robot1/map_server/map` | `nav_msgs/GetMap` | the map |
-| `/robot1/map_server/load_map` | `nav2_msgs/LoadMap` | always refused with 255, because all robots have the same map |
-| `/robot1/reinitialize_global_localization` | `std_srvs/Empty` | the robot searches for its pose on the whole map |
-| `/robot1/request_nomotion_update` | `std_srvs/Empty` | the robot uses its next scan even if it stands still |
-| `/robot1/set_initial_pose` | `nav2_msgs/SetInitialPose` | sets the pose estimate; invalid poses are only logged |
-| `/robot1/COSTMAP/clear_entirely_COSTMAP` | `nav2_msgs/ClearEntireCostmap` | clears both costmaps, as in ROS 1 |
-| `/robot1/COSTMAP/get_costmap` | `nav2_msgs/GetCostmap` | the last published costmap; costs are rounded to 98 levels |
-
-The action `/robot1/compute_path_to_pose` makes plans, one per tick. These services and actions of Nav2 do not exist
-here: `is_path_valid`, `get_cost_*`, `clear_around_*`, `clear_except_*`, `compute_path_through_poses`, `follow_path`,
-`smooth_path`, the actions of behaviors, `change_state`, and the lifecycle managers.
 """
 
 

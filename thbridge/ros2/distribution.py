@@ -103,6 +103,10 @@ class Distribution:
         within = self.description(name)["referenced_type_descriptions"]
         return [self._source(each) for each in (name, *(described["type_name"] for described in within))]
 
+    def knows(self, name: str) -> bool:
+        """Return True if this is one of the distribution's further definitions; see `DISTRIBUTIONS`."""
+        return name in self._texts
+
     def constant(self, name: str, constant: str) -> bool | int | float | str:
         """Return the value of a constant of a message type."""
         return {each: value for each, _, value in self.definition(name).constants}[constant]

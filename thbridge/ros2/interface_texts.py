@@ -7,7 +7,9 @@ Jazzy and Kilted have different definitions of these types:
 
 * nav2_msgs/action/NavigateToPose: Kilted has more error codes. The fields are the same, so the hash is the same.
 * nav2_msgs/action/FollowWaypoints: Kilted has more error codes, and reports missed waypoints as WaypointStatus.
-* nav2_msgs/msg/MissedWaypoint exists only in Jazzy; nav2_msgs/msg/WaypointStatus and nav_msgs/msg/Goals only in Kilted.
+* nav2_msgs/srv/IsPathValid: Kilted has a maximum cost, and an option for unknown space.
+* nav2_msgs/msg/MissedWaypoint, nav2_msgs/srv/GetCost and nav2_msgs/srv/ClearCostmapAroundPose exist only in Jazzy.
+* nav2_msgs/msg/WaypointStatus, nav_msgs/msg/Goals and nav2_msgs/srv/GetCosts exist only in Kilted.
 
 All other types are the same in both.
 """
@@ -48,6 +50,9 @@ int8 ERROR_GOAL_TERMINATED=3
 int8 return_code
 GoalInfo[] goals_canceling
 """,
+    "lifecycle_msgs/srv/ChangeState": "Transition transition\n---\nbool success",
+    "lifecycle_msgs/srv/GetAvailableStates": "---\nState[] available_states",
+    "lifecycle_msgs/srv/GetAvailableTransitions": "---\nTransitionDescription[] available_transitions",
     "lifecycle_msgs/srv/GetState": "---\nState current_state",
     "std_srvs/srv/Empty": "---",
     "std_srvs/srv/SetBool": "bool data\n---\nbool success\nstring message",
@@ -66,6 +71,8 @@ uint32 size_y
 geometry_msgs/Pose origin
 """,
     "nav2_msgs/msg/Costmap": "std_msgs/Header header\nCostmapMetaData metadata\nuint8[] data",
+    "nav2_msgs/srv/ClearCostmapAroundRobot": "float32 reset_distance\n---\nstd_msgs/Empty response",
+    "nav2_msgs/srv/ClearCostmapExceptRegion": "float32 reset_distance\n---\nstd_msgs/Empty response",
     "nav2_msgs/srv/ClearEntireCostmap": "std_msgs/Empty request\n---\nstd_msgs/Empty response",
     "nav2_msgs/srv/GetCostmap": "CostmapMetaData specs\n---\nCostmap map",
     "nav2_msgs/srv/LoadMap": """\
@@ -78,6 +85,18 @@ uint8 RESULT_INVALID_MAP_METADATA=3
 uint8 RESULT_UNDEFINED_FAILURE=255
 nav_msgs/OccupancyGrid map
 uint8 result
+""",
+    "nav2_msgs/srv/ManageLifecycleNodes": """\
+uint8 STARTUP=0
+uint8 PAUSE=1
+uint8 RESUME=2
+uint8 RESET=3
+uint8 SHUTDOWN=4
+uint8 CONFIGURE=5
+uint8 CLEANUP=6
+uint8 command
+---
+bool success
 """,
     "nav2_msgs/srv/SetInitialPose": "geometry_msgs/PoseWithCovarianceStamped pose\n---",
     "nav2_msgs/action/ComputePathToPose": """\
@@ -119,6 +138,14 @@ float32 distance_remaining
 
 _JAZZY = {
     "nav2_msgs/msg/MissedWaypoint": "uint32 index\ngeometry_msgs/PoseStamped goal\nuint16 error_code",
+    "nav2_msgs/srv/ClearCostmapAroundPose": """\
+geometry_msgs/PoseStamped pose
+float64 reset_distance
+---
+std_msgs/Empty response
+""",
+    "nav2_msgs/srv/GetCost": "bool use_footprint\nfloat32 x\nfloat32 y\nfloat32 theta\n---\nfloat32 cost",
+    "nav2_msgs/srv/IsPathValid": "nav_msgs/Path path\n---\nbool is_valid\nint32[] invalid_pose_indices",
     "nav2_msgs/action/NavigateToPose": f"""\
 geometry_msgs/PoseStamped pose
 string behavior_tree
@@ -155,6 +182,21 @@ uint32 waypoint_index
 geometry_msgs/PoseStamped waypoint_pose
 uint16 error_code
 string error_msg
+""",
+    "nav2_msgs/srv/GetCosts": """\
+bool use_footprint
+geometry_msgs/PoseStamped[] poses
+---
+float32[] costs
+bool success
+""",
+    "nav2_msgs/srv/IsPathValid": """\
+nav_msgs/Path path
+uint8 max_cost 254
+bool consider_unknown_as_obstacle false
+---
+bool is_valid
+int32[] invalid_pose_indices
 """,
     "nav2_msgs/action/NavigateToPose": f"""\
 geometry_msgs/PoseStamped pose

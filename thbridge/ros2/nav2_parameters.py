@@ -15,21 +15,31 @@ from types import NoneType
 from typing import cast
 
 from sim.parameters import CostmapParameters, DeclaredParameter, ObservationSource, RobotParameters, declared_parameters
+from sim.robot.costmap.view import CostmapName
 from thbridge.ros.names import CALLER, MAP_FRAME, RobotNames
 from thbridge.ros.parameters import Tree, value_at
 from thbridge.ros2 import nav2_names
 from thbridge.ros2.follow_waypoints import STOP_ON_FAILURE
 from thbridge.ros2.parameters import NodeParameter, ParameterKind, ParameterNode, Value, fixed, kind_among
 
-COSTMAPS = ("global_costmap", "local_costmap")
+COSTMAPS: tuple[CostmapName, CostmapName] = ("global_costmap", "local_costmap")
+LIFECYCLE_MANAGERS: Mapping[str, tuple[str, ...]] = {
+    "lifecycle_manager_localization": ("map_server", "amcl"),
+    "lifecycle_manager_navigation": (
+        "controller_server",
+        "planner_server",
+        "behavior_server",
+        "bt_navigator",
+        "waypoint_follower",
+    ),
+}
+"""Nodes that each lifecycle manager of a robot manages."""
 NAV2_NODES = (
     "map_server",
     "amcl",
-    "controller_server",
-    "planner_server",
-    "behavior_server",
-    "bt_navigator",
-    "waypoint_follower",
+    "lifecycle_manager_localization",
+    *LIFECYCLE_MANAGERS["lifecycle_manager_navigation"],
+    "lifecycle_manager_navigation",
     *COSTMAPS,
 )
 """Nodes of each robot. A costmap has a namespace of its own."""
@@ -85,9 +95,9 @@ def nav2_nodes(external_amcl: bool, external_navigation: bool) -> tuple[str, ...
     """
     of_session = ["map_server"]
     if not external_amcl:
-        of_session.append("amcl")
+        of_session += NAV2_NODES[1:3]
     if not external_navigation:
-        of_session += NAV2_NODES[2:]
+        of_session += NAV2_NODES[3:]
     return tuple(of_session)
 
 
@@ -290,6 +300,14 @@ def _of_this_robot(
         "waypoint_follower": (
             fixed("stop_on_failure", STOP_ON_FAILURE, "end a task at the first waypoint that is not reached"),
         ),
+        **{
+            name: (
+                fixed("autostart", True, "activate the nodes at the start"),
+                fixed("bond_timeout", 0.0, "timeout of the connections to the nodes; 0: there are none [s]"),
+                fixed("node_names", managed, "nodes that are managed"),
+            )
+            for name, managed in LIFECYCLE_MANAGERS.items()
+        },
         **{
             name: (
                 *frames,

@@ -19,10 +19,12 @@ NAVIGATION = {
     "/robot1/bt_navigator",
     "/robot1/controller_server",
     "/robot1/global_costmap/global_costmap",
+    "/robot1/lifecycle_manager_navigation",
     "/robot1/local_costmap/local_costmap",
     "/robot1/planner_server",
     "/robot1/waypoint_follower",
 }
+LOCALIZATION = {"/robot1/amcl", "/robot1/lifecycle_manager_localization"}
 OF_NAVIGATION = {"/robot1/plan", "/robot1/cmd_vel", "/robot1/navigate_to_pose/_action/status"}
 OF_AMCL = {"/robot1/amcl_pose", "/robot1/particle_cloud", "/robot1/believed_pose", "/robot1/lost"}
 OF_BODY = {"/robot1/odom", "/robot1/scan", "/robot1/battery_state", "/robot1/map", "/robot1/base_pose_ground_truth"}
@@ -42,7 +44,7 @@ def test_external_nodes_have_their_names_and_transforms_to_themselves(external: 
     found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
     nodes, topics, services = ({*found[kind]} for kind in ("nodes", "topics", "services"))
     localizes, navigates = external != "both", external == "none"
-    expected = {"/robot1/map_server"} | ({"/robot1/amcl"} if localizes else set())
+    expected = {"/robot1/map_server"} | (LOCALIZATION if localizes else set())
     assert nodes == expected | (NAVIGATION if navigates else set())
     assert topics & OF_NAVIGATION == (OF_NAVIGATION if navigates else set())
     assert topics & OF_AMCL == (OF_AMCL if localizes else set())

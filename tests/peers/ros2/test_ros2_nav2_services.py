@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.inputs import TEAM_INPUTS, ClearCostmaps, GlobalLocalization, NomotionUpdate, SetPoseEstimate
+from sim.inputs import TEAM_INPUTS, ClearCostmapRegion, GlobalLocalization, NomotionUpdate, SetPoseEstimate
 from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_domain, free_port
 from tests.support.programs.processes import Program, until
@@ -42,6 +42,13 @@ def test_services_of_nav2(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr + session.text
     found = json.loads(done.stdout.splitlines()[-1])
     assert found["states"] == ["active"] * 5
+    assert found["same lifecycle"]
+    assert not found["deactivated"]
+    assert found["managers"] == [[True, False]] * 2
+    assert found["valid"] == [True, False, False, False]
+    assert found["global_costmap"] == [[254.0, 254.0], False]
+    assert found["local_costmap"] == [[254.0, 254.0], False]
+    assert found["footprint"] == [[254.0], True]
     assert (found["map"], found["load"]) == (320, 255)
     assert found["costmap"] == [320, True]
     assert found["lethal"]
@@ -54,6 +61,6 @@ def test_services_of_nav2(tmp_path: Path) -> None:
     assert "the same, bit for bit" in replayed.text
     replayed.close()
     inputs = [bytes(data) for topic, _, data in recorded(tmp_path / "run.bag") if topic.topic == INPUTS]
-    for request in (ClearCostmaps, GlobalLocalization, NomotionUpdate, SetPoseEstimate):
+    for request, count in ((ClearCostmapRegion, 3), (GlobalLocalization, 1), (NomotionUpdate, 1), (SetPoseEstimate, 1)):
         name = next(name for name, kind in TEAM_INPUTS.items() if kind is request)
-        assert sum(f'"{name}"'.encode() in each for each in inputs) == 1, name
+        assert sum(f'"{name}"'.encode() in each for each in inputs) == count, name

@@ -14,6 +14,7 @@ from sim.common.grid import OccupancyGrid
 from sim.inputs import GlobalLocalization
 from sim.parameters import RobotParameters
 from sim.parameters.reconfiguration import with_values
+from sim.robot.costmap.robot_costmap import RobotCostmap
 from tests.support.programs.ports import free_domain
 from tests.support.project import ROOT
 from thbridge.app.live_graph.live_node_parameters import LiveNodeParameters
@@ -46,9 +47,11 @@ async def answers(node: str, prefix: str, asks: list[tuple[str, Request]]) -> di
     )
     searches: list[Request] = []
     grid = OccupancyGrid(np.arange(6, dtype=np.int8).reshape(2, 3), 0.05, Pose2(0.0, 0.0, 0.0))
+    costs = RobotCostmap(0, grid.origin, grid.origin, 0.05, np.zeros((2, 3), np.uint8), np.empty((0, 2)), True)
     LiveNodeServices(
-        services, types, parameters.nodes, 2, grid, limiter, lambda sender, request: searches.append(request)
-    )
+        services, types, parameters.nodes, grid, lambda robot, name: costs, limiter,
+        lambda sender, request: searches.append(request),
+    )  # fmt: skip
     offer_logger_levels(services, types, NodeName("/", "thbridge"))
     for each in parameters.nodes:
         carrier.add_node(NodeName(each.namespace, each.name))

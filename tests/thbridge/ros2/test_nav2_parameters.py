@@ -96,7 +96,11 @@ def test_a_source_without_a_range_has_the_range_of_its_layer() -> None:
 
 def test_external_nodes_are_missing() -> None:
     assert nav2_nodes(external_amcl=False, external_navigation=False) == NAV2_NODES
-    assert nav2_nodes(external_amcl=False, external_navigation=True) == ("map_server", "amcl")
+    assert nav2_nodes(external_amcl=False, external_navigation=True) == (
+        "map_server",
+        "amcl",
+        "lifecycle_manager_localization",
+    )
     assert nav2_nodes(external_amcl=True, external_navigation=True) == ("map_server",)
 
 

@@ -78,7 +78,6 @@ class LiveRos2Graph:
         self._external = description.external
         self._complaints = WarnOnce(_log)
         self._robots = [RobotNames.of(robot) for robot in range(team.size)]
-        shared = team.size, description.grid, requests.limiter, requests.ask, description.external
         services = NodeServices(carrier, distribution)
         self._parameters = LiveNodeParameters(
             services,
@@ -92,7 +91,15 @@ class LiveRos2Graph:
         self._nodes = {node.whole: node for node in (NodeName(n.namespace, n.name) for n in self._parameters.nodes)}
         for node in self._nodes.values():
             carrier.add_node(node)
-        self._services = LiveNodeServices(services, distribution, self._parameters.nodes, *shared)
+        self._services = LiveNodeServices(
+            services,
+            distribution,
+            self._parameters.nodes,
+            description.grid,
+            team.costmap,
+            requests.limiter,
+            requests.ask,
+        )
         offer_logger_levels(services, distribution, self._nodes[CALLER])
         self._published: set[str] = set()
         self._topics = [
@@ -166,7 +173,7 @@ class LiveRos2Graph:
         """Publish the messages of one tick; the clock is the first message."""
         self._requests.advance(tick)
         self._parameters.follow(tick, self._team.parameters)
-        self._services.take(messages)
+        self._services.advance()
         for message in (clock_message(tick), *messages):
             if self._external.amcl and message.topic.name == names.TF:
                 message = message._replace(data=without_corrections(message.data))  # noqa: PLW2901

@@ -1,6 +1,7 @@
 """Parameters and services of the Nav2 nodes of a session: what clients ask becomes inputs, and all see the result."""
 
 import logging
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -12,20 +13,19 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.inputs import ClearCostmaps, GlobalLocalization, NomotionUpdate, SetPoseEstimate
+from sim.inputs import GlobalLocalization, NomotionUpdate, SetPoseEstimate
 from sim.parameters import RobotParameters
-from sim.robot.costmap.view import CostmapView
+from sim.robot.costmap.robot_costmap import RobotCostmap
+from tests.support.project import ROOT
 from tests.support.ros2.loopback import LoopbackGraph
 from thbridge.app.live_graph.live_node_parameters import CHANGES_PER_TICK, TOO_MANY, LiveNodeParameters
 from thbridge.app.live_graph.live_node_services import LiveNodeServices, offer_logger_levels
 from thbridge.app.live_graph.rate_limiter import REQUESTS_PER_TICK, RateLimiter
 from thbridge.roles.shared.robot_requests import Request, SetParameters
-from thbridge.ros.messages import pack
-from thbridge.ros.names import RobotNames
-from thbridge.ros.topics import Planners, RobotTopics, RosMessage
+from thbridge.ros2 import lifecycle, services
 from thbridge.ros2 import parameter_messages as messages
-from thbridge.ros2 import services
 from thbridge.ros2.distribution import Distribution
+from thbridge.ros2.nav2_parameters import COSTMAPS, LIFECYCLE_MANAGERS, NAV2_NODES
 from thbridge.ros2.parameters import Value, kind_of
 from thbridge.ros2.qos import DEFAULT
 from thbridge.ros2graph.sockets.parameter_services import EVENTS, NodeServices
@@ -37,23 +37,24 @@ SOFTWARE = RobotParameters()
 CLIENT = NodeName("/", "client")
 OURS = NodeName("/", "thbridge")
 GRID = OccupancyGrid(np.arange(6, dtype=np.int8).reshape(2, 3), 0.05, Pose2(1.0, 2.0, 0.0))
+COSTMAP = RobotCostmap(0, GRID.origin, GRID.origin, 0.05, np.zeros((2, 3), np.uint8), np.empty((0, 2)), circular=True)
 EMPTY = "std_srvs/srv/Empty"
 
 
 class TwoRobots:
     """Two robots on a graph, and a client."""
 
-    def __init__(self, external: ExternalNodes = ExternalNodes.NONE) -> None:
+    def __init__(self, external: ExternalNodes = ExternalNodes.NONE, types: Distribution = TYPES) -> None:
         self.graph = LoopbackGraph()
         program, self.other = self.graph.program(), self.graph.program()
-        offered, self.limiter = NodeServices(program, TYPES, self.graph.pending.append), RateLimiter()
+        offered, self.limiter = NodeServices(program, types, self.graph.pending.append), RateLimiter()
         self.asks: list[tuple[str, Request]] = []
         self.software = [SOFTWARE, SOFTWARE]
         self.parameters = LiveNodeParameters(
             offered, self.software, {"hunt": {"rooms": 4}}, 0.05, self.limiter, self._ask, external
         )
         self.services = LiveNodeServices(
-            offered, TYPES, self.parameters.nodes, 2, GRID, self.limiter, self._ask, external
+            offered, types, self.parameters.nodes, GRID, lambda robot, name: COSTMAP, self.limiter, self._ask
         )
         offer_logger_levels(offered, TYPES, OURS)
         self.events: list[Any] = []
@@ -172,8 +173,8 @@ def test_floods_are_refused() -> None:
 @pytest.mark.parametrize(
     ("external", "missing"),
     [
-        (ExternalNodes.MOVE_BASE, {"controller_server", "local_costmap"}),
-        (ExternalNodes.BOTH, {"amcl", "controller_server", "local_costmap"}),
+        (ExternalNodes.MOVE_BASE, {"controller_server", "local_costmap", "lifecycle_manager_navigation"}),
+        (ExternalNodes.BOTH, {"amcl", "controller_server", "local_costmap", "lifecycle_manager_localization"}),
     ],
 )
 def test_nodes_of_other_programs_are_missing(external: ExternalNodes, missing: set[str]) -> None:
@@ -192,23 +193,26 @@ def test_every_node_has_its_services() -> None:
     for node in both.parameters.nodes:
         whole = NodeName(node.namespace, node.name).whole
         assert {f"{whole}/{name}" for name in (*messages.SERVICE_TYPES, "get_type_description")} <= offered
-        if node.robot is not None:
-            state = both.call(f"{whole}/get_state", services.GET_STATE).current_state
+        if node.name in LIFECYCLE_MANAGERS:
+            assert both.call(f"{whole}/is_active", lifecycle.IS_ACTIVE).success
+            assert not both.call(f"{whole}/manage_nodes", lifecycle.MANAGE_NODES, command=3).success
+        elif node.robot is not None:
+            state = both.call(f"{whole}/get_state", lifecycle.GET_STATE).current_state
             assert (state.id, state.label) == (3, "active")
+            deactivate = TYPES.make("lifecycle_msgs/msg/Transition", id=4)
+            assert not both.call(f"{whole}/change_state", lifecycle.CHANGE_STATE, transition=deactivate).success
+            now = both.call(f"{whole}/get_available_transitions", lifecycle.GET_TRANSITIONS).available_transitions
+            assert [each.transition.label for each in now] == ["deactivate", "shutdown"]
 
 
 def test_services_of_nav2_become_inputs() -> None:
     both = TwoRobots()
     both.call("/robot2/reinitialize_global_localization", EMPTY)
     both.call("/robot1/request_nomotion_update", EMPTY)
-    for _ in range(2):
-        both.call("/robot1/global_costmap/clear_entirely_global_costmap", services.CLEAR_COSTMAP)
-    both.call("/robot2/local_costmap/clear_entirely_local_costmap", services.CLEAR_COSTMAP)
+    both.call("/robot1/request_nomotion_update", EMPTY)
     assert both.asks == [
         ("/robot2/reinitialize_global_localization", GlobalLocalization(1)),
         ("/robot1/request_nomotion_update", NomotionUpdate(0)),
-        ("/robot1/global_costmap/clear_entirely_global_costmap", ClearCostmaps(0)),
-        ("/robot2/local_costmap/clear_entirely_local_costmap", ClearCostmaps(1)),
     ]
 
 
@@ -248,22 +252,6 @@ def test_the_map_can_be_read_but_not_replaced() -> None:
     assert both.asks == []
 
 
-def test_the_last_costmap_can_be_read() -> None:
-    both = TwoRobots()
-    service = "/robot2/local_costmap/get_costmap"
-    assert both.call(service, services.GET_COSTMAP).map.metadata.size_x == 0
-    costs = np.arange(256, dtype=np.uint8).reshape(16, 16)
-    view = CostmapView(25, Pose2(3.0, 4.0, 0.0), 0.05, costs)
-    topic = RobotTopics(RobotNames.of(1), Planners.of(SOFTWARE)).local_costmap
-    both.services.take([RosMessage(topic, 0, pack.costmap("map", view))])
-    found = both.call(service, services.GET_COSTMAP).map
-    assert (found.header.frame_id, found.metadata.layer) == ("map", "master")
-    assert (found.metadata.size_x, found.metadata.size_y, found.metadata.origin.position.x) == (16, 16, 3.0)
-    assert np.abs(found.data.astype(int) - np.arange(256)).max() <= 2
-    assert found.data[[0, 253, 254, 255]].tolist() == [0, 253, 254, 255]
-    assert both.call("/robot1/local_costmap/get_costmap", services.GET_COSTMAP).map.metadata.size_x == 0
-
-
 @settings(max_examples=50)
 @given(st.binary(max_size=400), st.integers(0, 400))
 def test_bytes_that_are_no_request_have_no_effect(noise: bytes, place: int) -> None:
@@ -301,3 +289,22 @@ def test_levels_of_our_loggers_can_be_read_and_set() -> None:
         assert [(each.name, each.level) for each in known.levels] == [("sim", 10), ("root", 0)]
     finally:
         logger.setLevel(before)
+
+
+@pytest.mark.parametrize(("distribution", "other"), [("jazzy", "Kilted"), ("kilted", "Jazzy")])
+def test_the_page_lists_exactly_the_services_of_a_robot(distribution: str, other: str) -> None:
+    both = TwoRobots(types=Distribution.of(distribution))
+    offered = {
+        each.name.removeprefix("/robot1/") for each in both.other.endpoints() if each.name.startswith("/robot1/")
+    }
+    listed: dict[str, bool] = {}
+    for line in (ROOT / "docs" / "reference" / "nav2-services.md").read_text().splitlines():
+        if match := re.match(r"\| `([A-Za-z_/]+)`.*\| ([^|]*) \| ([^|]*) \|$", line):
+            for part in (name if name not in COSTMAPS else f"{name}/{name}" for name in NAV2_NODES):
+                name = match[1].replace("NODE", part).replace("COSTMAP", part.rpartition("/")[2])
+                if "COSTMAP" not in match[1] or "/" in part:
+                    there = not match[3].startswith(("no", "only")) and f"only {other}" not in match[2]
+                    listed[name] = there and not (part in LIFECYCLE_MANAGERS and "lifecycle" in match[2])
+    of_parameters = {name for name in offered if name.rpartition("/")[2] in messages.SERVICE_TYPES}
+    assert offered - of_parameters == {name for name, there in listed.items() if there} - of_parameters
+    assert len(offered - of_parameters) > 60
