@@ -1,16 +1,15 @@
 """Programs of rclpy: a client and a server of actions. They run in the peer's own Python and print lines of JSON."""
 
 import json
-import os
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 import pytest
 
-PYTHON = Path(__file__).parents[3] / ".peers" / "ros2" / "bin" / "python"
+from tests.peers.ros2.peer_process import PYTHON, environment
+
 NEEDS_RCLPY = pytest.mark.skipif(
     not PYTHON.exists(), reason="rclpy is not installed in .peers/ros2 (see scripts/install_peers.sh)"
 )
@@ -125,13 +124,6 @@ executor.add_node(node)
 print(json.dumps({"step": "ready"}), flush=True)
 executor.spin()
 """
-
-
-def environment(domain: int) -> dict[str, str]:
-    """Return the environment of a program of rclpy in a domain, on this machine only."""
-    hidden = ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")
-    kept = {name: value for name, value in os.environ.items() if name not in hidden}
-    return {**kept, "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
 
 
 @contextmanager

@@ -1,18 +1,20 @@
-"""Programs of ROS 2 as peers: they run in processes of their own, and are driven by lines of JSON."""
+"""Programs of ROS 2 over DDS or zenoh as peers: they run in their own processes, driven by lines of JSON."""
 
 import asyncio
 import functools
 import json
 import os
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
 
 import pytest
 
+from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_domain
 from tests.support.project import ROOT
 from thbridge.ros2graph.sockets.dds import DdsCarrier
+from thbridge.sockets.addresses import Address
 
 ROS2 = ROOT / ".peers" / "ros2"
 PYTHON = ROS2 / "bin" / "python"
@@ -20,6 +22,8 @@ FOLDER = Path(__file__).parent
 DOMAIN = free_domain()
 """Domain of this process's tests, so that tests of other processes do not take part."""
 TIMEOUT = 60.0
+ZENOH_PEERS = {"sdk": "zenoh_sdk_peer.py", "pyzeros": "pyzeros_peer.py"}
+"""Scripts of nodes that use a library of ROS 2 over zenoh."""
 
 needs_ros2 = pytest.mark.skipif(not PYTHON.exists(), reason=f"not installed: {PYTHON} (see scripts/install_peers.sh)")
 
@@ -82,15 +86,31 @@ class PeerProcess:
                 await self.process.wait()
 
 
-@asynccontextmanager
-async def peer(script: str, *arguments: str, discovery: str = "LOCALHOST") -> AsyncIterator[PeerProcess]:
-    """Run a peer. `discovery` is its automatic discovery range."""
+def environment(domain: int | str, discovery: str = "LOCALHOST") -> dict[str, str]:
+    """Return the environment of a peer. `discovery` is its automatic discovery range on DDS."""
     kept = {name: value for name, value in os.environ.items() if name not in {"PYTHONPATH", "PYTHONHOME"}}
+    own = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": discovery}
+    return {**kept, **own, "CYDR_CACHE_DIR": str(ROS2 / "cydr_cache")}
+
+
+@functools.cache
+def compile_pyzeros() -> None:
+    """Let pyzeros compile its code for attachments; the first time, this takes half a minute."""
+    code = "from pyzeros.builtin_msgs import Attachment; Attachment.deserialize(Attachment().serialize())"
+    run_peer([PYTHON, "-c", code], env=environment(DOMAIN)).check_returncode()
+
+
+@asynccontextmanager
+async def peer(
+    script: str, *arguments: str, discovery: str = "LOCALHOST", folder: Path | None = None
+) -> AsyncIterator[PeerProcess]:
+    """Run a peer. It may write files into the folder."""
     process = await asyncio.create_subprocess_exec(
         str(PYTHON),
         str(FOLDER / script),
         *arguments,
-        env={**kept, "ROS_DOMAIN_ID": str(DOMAIN), "ROS_AUTOMATIC_DISCOVERY_RANGE": discovery},
+        env=environment(DOMAIN, discovery),
+        cwd=folder,
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
         limit=4 << 20,
@@ -102,7 +122,14 @@ async def peer(script: str, *arguments: str, discovery: str = "LOCALHOST") -> As
     finally:
         if process.returncode is None:
             process.kill()
-            await process.wait()
+        await process.wait()
+
+
+def zenoh_peer(library: str, router: Address, domain: int, folder: Path) -> AbstractAsyncContextManager[PeerProcess]:
+    """Run a node of a library for zenoh."""
+    if library == "pyzeros":
+        compile_pyzeros()
+    return peer(ZENOH_PEERS[library], str(router.port), str(domain), folder=folder)
 
 
 @asynccontextmanager

@@ -10,7 +10,8 @@ from textwrap import dedent
 
 import pytest
 
-from tests.peers.ros2.action_scripts import NEEDS_RCLPY, PYTHON, environment
+from tests.peers.ros2.action_scripts import NEEDS_RCLPY
+from tests.peers.ros2.peer_process import PYTHON, environment
 from tests.support.programs.ports import free_domain
 from tests.support.programs.processes import Program, port_of, run_thbridge, until
 from tests.support.project import ROOT

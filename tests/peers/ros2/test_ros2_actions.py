@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from tests.peers.ros2.action_scripts import CLIENT, NEEDS_RCLPY, PYTHON, SERVER, environment, running, steps
+from tests.peers.ros2.action_scripts import CLIENT, NEEDS_RCLPY, SERVER, running, steps
+from tests.peers.ros2.peer_process import PYTHON, environment
 from tests.support.programs.event_loops import eventually
 from tests.support.programs.ports import free_domain
 from tests.support.ros2.counting import FIBONACCI, CountingLogic, counting_types

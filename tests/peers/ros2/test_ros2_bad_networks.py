@@ -1,14 +1,13 @@
 """A session and rclpy on two machines, with a bad network between them."""
 
 import json
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from sim.world.sensors import mount_of
-from tests.peers.ros2.peer_process import FOLDER, PYTHON, ROS2, padded
+from tests.peers.ros2.peer_process import FOLDER, PYTHON, ROS2, environment, padded
 from tests.support.programs.bad_cable import HERE, BadCable, bad_cable
 from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.processes import Program, until
@@ -27,11 +26,6 @@ pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(not (ROS2 / "installed").exists(), reason="not installed: ros2 (scripts/install_peers.sh)"),
 ]
-
-
-def environment() -> dict[str, str]:
-    kept = {name: value for name, value in os.environ.items() if name not in {"PYTHONPATH", "PYTHONHOME"}}
-    return {**kept, "ROS_DOMAIN_ID": DOMAIN, "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}
 
 
 @pytest.fixture
@@ -59,7 +53,7 @@ def test_topics_arrive_over_a_slow_and_lossy_network(tmp_path: Path, cable: BadC
     try:
         out = tmp_path / "heard.json"
         by = [*cable.there_by, PYTHON, FOLDER / "session_listener.py"]
-        run_peer([*by, str(len(topics.all)), "15", out], env=environment(), timeout=200.0)
+        run_peer([*by, str(len(topics.all)), "15", out], env=environment(DOMAIN, "SUBNET"), timeout=200.0)
         robots.stop()
     finally:
         robots.close()
@@ -93,7 +87,7 @@ def test_clients_command_robots_over_a_slow_and_lossy_network(tmp_path: Path, ca
     cable.set(DELAY, LOSS)
     try:
         by = [*cable.there_by, PYTHON, FOLDER / "session_client.py"]
-        done = run_peer(by, env=environment(), timeout=280.0)
+        done = run_peer(by, env=environment(DOMAIN, "SUBNET"), timeout=280.0)
         robots.stop()
     finally:
         robots.close()
@@ -108,7 +102,7 @@ def test_machines_that_are_not_admitted_are_ignored(tmp_path: Path, cable: BadCa
     try:
         by = [*cable.there_by, PYTHON, FOLDER / "session_listener.py"]
         out = tmp_path / "heard.json"
-        run_peer([*by, "1", "1", out, "5"], env=environment(), timeout=60.0)
+        run_peer([*by, "1", "1", out, "5"], env=environment(DOMAIN, "SUBNET"), timeout=60.0)
         until("the warning", lambda: "is not admitted" in robots.text, [robots])
         robots.stop()
     finally:

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.ros2.action_scripts import NEEDS_RCLPY, PYTHON, environment
+from tests.peers.ros2.action_scripts import NEEDS_RCLPY
+from tests.peers.ros2.peer_process import PYTHON, environment
 from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_domain
 from tests.support.programs.processes import Program, journal, port_of, until

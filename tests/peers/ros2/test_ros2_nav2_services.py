@@ -1,12 +1,12 @@
 """A client of rclpy calls Nav2's services of a session; what changes robots is recorded, and a replay repeats it."""
 
 import json
-import os
 from pathlib import Path
 
 import pytest
 
 from sim.inputs import TEAM_INPUTS, ClearCostmapRegion, GlobalLocalization, NomotionUpdate, SetPoseEstimate
+from tests.peers.ros2.peer_process import environment
 from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_domain, free_port
 from tests.support.programs.processes import Program, until
@@ -30,12 +30,10 @@ def test_services_of_nav2(tmp_path: Path) -> None:
         tmp_path, "simr", "--server", f"127.0.0.1:{free_port()}", "--ros2", "--ros2-domain", DOMAIN, "--bag", "run.bag",
         "study.yaml",
     )  # fmt: skip
-    kept = {name: value for name, value in os.environ.items() if name not in {"PYTHONPATH", "PYTHONHOME"}}
-    environment = {**kept, "ROS_DOMAIN_ID": DOMAIN, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     try:
         until("the session to join", lambda: "ROS 2:" in session.text, [session])
         client = Path(__file__).parent / "nav2_services_client.py"
-        done = run_peer([ROS2 / "bin" / "python", client], env=environment, timeout=180.0)
+        done = run_peer([ROS2 / "bin" / "python", client], env=environment(DOMAIN), timeout=180.0)
         session.stop()
     finally:
         session.close()

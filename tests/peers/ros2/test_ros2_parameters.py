@@ -2,7 +2,6 @@
 
 import asyncio
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from sim.inputs import GlobalLocalization
 from sim.parameters import RobotParameters
 from sim.parameters.reconfiguration import with_values
 from sim.robot.costmap.robot_costmap import RobotCostmap
+from tests.peers.ros2.peer_process import environment
 from tests.support.programs.ports import free_domain
 from tests.support.project import ROOT
 from thbridge.app.live_graph.live_node_parameters import LiveNodeParameters
@@ -57,12 +57,10 @@ async def answers(node: str, prefix: str, asks: list[tuple[str, Request]]) -> di
         carrier.add_node(NodeName(each.namespace, each.name))
     assert await carrier.start() is None
     ticking = asyncio.create_task(tick(parameters, software, asks, limiter))
-    kept = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-    environment = {**kept, "ROS_DOMAIN_ID": str(DOMAIN), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     try:
         async with asyncio.timeout(TIMEOUT):
             client = await asyncio.create_subprocess_exec(
-                str(PYTHON), str(SCRIPT), node, prefix, env=environment, stdout=asyncio.subprocess.PIPE
+                str(PYTHON), str(SCRIPT), node, prefix, env=environment(DOMAIN), stdout=asyncio.subprocess.PIPE
             )
             output, _ = await client.communicate()
         assert client.returncode == 0

@@ -13,7 +13,7 @@ import pytest
 from sim.common.observations import TICK
 from sim.world.sensors import mount_of
 from tests.peers.mavlink_hunter import Hunter
-from tests.peers.ros2.peer_process import FOLDER, PYTHON, ROS2, padded
+from tests.peers.ros2.peer_process import FOLDER, PYTHON, ROS2, environment, padded
 from tests.peers.ros_programs import NEEDS_ROS, Ros
 from tests.support.programs.browser_client import BrowserClient
 from tests.support.programs.peer_programs import run_peer
@@ -40,11 +40,6 @@ pytestmark = pytest.mark.skipif(
 )
 
 
-def environment() -> dict[str, str]:
-    kept = {name: value for name, value in os.environ.items() if name not in {"PYTHONPATH", "PYTHONHOME"}}
-    return {**kept, "ROS_DOMAIN_ID": DOMAIN, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-
-
 def test_rclpy_gets_what_the_bag_has(tmp_path: Path) -> None:
     publisher = TeamPublisher(2, mount_of(STANDARD.world.laser), 0.1)
     topics = SessionTopics(Distribution.of("kilted"), publisher.topics, 2)
@@ -56,7 +51,7 @@ def test_rclpy_gets_what_the_bag_has(tmp_path: Path) -> None:
         until("the session to join", lambda: "ROS 2:" in session.text, [session])
         out = tmp_path / "heard.json"
         listener = FOLDER / "session_listener.py"
-        run_peer([PYTHON, listener, str(len(topics.all)), "6", out], env=environment(), timeout=120.0)
+        run_peer([PYTHON, listener, str(len(topics.all)), "6", out], env=environment(DOMAIN), timeout=120.0)
         session.stop()
     finally:
         session.close()
@@ -97,7 +92,7 @@ def test_clients_of_rclpy_command_the_robots_and_a_replay_repeats_it(tmp_path: P
     )  # fmt: skip
     try:
         until("the session to join", lambda: "ROS 2:" in session.text, [session])
-        done = run_peer([PYTHON, FOLDER / "session_client.py"], env=environment(), timeout=240.0)
+        done = run_peer([PYTHON, FOLDER / "session_client.py"], env=environment(DOMAIN), timeout=240.0)
         session.stop()
     finally:
         session.close()
@@ -150,7 +145,7 @@ async def command_beside_a_browser(port: int) -> CompletedProcess[str]:
     await browser.act(choice["act"])
     await browser.until(lambda: choice["label"] in {each["text"] for each in browser.tree["history"]})
     client = FOLDER / "session_client.py"
-    done = await asyncio.to_thread(run_peer, [PYTHON, client], env=environment(), timeout=240.0)
+    done = await asyncio.to_thread(run_peer, [PYTHON, client], env=environment(DOMAIN), timeout=240.0)
     assert browser.is_connected
     await browser.close()
     return done

@@ -2,15 +2,15 @@
 
 import asyncio
 import functools
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
 from typing import TypeAlias
 
 import pytest
 
-from tests.peers.ros2.zenoh_peers import ZenohPeer, compile_pyzeros, needs_ros2, zenoh_peer
-from tests.support.ros.zenoh_graphs import DOMAIN, NODE, carriers, router, run, until
+from tests.peers.ros2.peer_process import ZENOH_PEERS, PeerProcess, needs_ros2, with_timeout, zenoh_peer
+from tests.support.ros.zenoh_graphs import DOMAIN, NODE, carriers, router, until
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.qos import DEFAULT, LATCHED
 from thbridge.ros2graph.sockets.zenoh import ZenohCarrier
@@ -21,39 +21,27 @@ pytestmark = needs_ros2
 KILTED = Distribution.of("kilted")
 STRING = "std_msgs/msg/String"
 SET_BOOL = "std_srvs/srv/SetBool"
-LIBRARIES = pytest.mark.parametrize("library", ["sdk", "pyzeros"])
+LIBRARIES = pytest.mark.parametrize("library", ZENOH_PEERS)
 BY = {"sdk": "by the sdk", "pyzeros": "by pyzeros"}
 
 
-Meet: TypeAlias = Callable[[str], AbstractAsyncContextManager[tuple[ZenohCarrier, ZenohPeer]]]
+Meet: TypeAlias = Callable[[str], AbstractAsyncContextManager[tuple[ZenohCarrier, PeerProcess]]]
 
 
 @pytest.fixture
 def meeting(tmp_path: Path) -> Meet:
     """Return a function that returns a carrier and a peer at one router."""
 
-    compile_pyzeros()
-
     @asynccontextmanager
-    async def meet(library: str) -> AsyncIterator[tuple[ZenohCarrier, ZenohPeer]]:
+    async def meet(library: str) -> AsyncIterator[tuple[ZenohCarrier, PeerProcess]]:
         async with (
             router() as at,
             carriers(1, at) as (carrier,),
-            zenoh_peer(library, at.port, DOMAIN, tmp_path) as other,
+            zenoh_peer(library, at, DOMAIN, tmp_path) as other,
         ):
             yield carrier, other
 
     return meet
-
-
-def scenario(test: Callable[..., Awaitable[None]]) -> Callable[..., None]:
-    """Run a test's coroutine within the time limit."""
-
-    @functools.wraps(test)
-    def in_a_loop(*args: object, **kwargs: object) -> None:
-        run(lambda: test(*args, **kwargs))
-
-    return in_a_loop
 
 
 async def repeat(step: Callable[[], object], until_done: asyncio.Future) -> None:
@@ -63,7 +51,7 @@ async def repeat(step: Callable[[], object], until_done: asyncio.Future) -> None
         await asyncio.wait({until_done}, timeout=0.1)
 
 
-async def nodes_of(topic: str, other: ZenohPeer, count: int = 1) -> list[str]:
+async def nodes_of(topic: str, other: PeerProcess, count: int = 1) -> list[str]:
     """Return the nodes of a topic with strings as the peer knows them, as soon as it knows this many."""
     while True:
         other.do("info", name=topic)
@@ -78,7 +66,7 @@ def text_of(message: bytes) -> str:
 
 
 @LIBRARIES
-@scenario
+@with_timeout
 async def test_messages_reach_the_peer(meeting: Meet, library: str) -> None:
     async with meeting(library) as (carrier, other):
         writer = carrier.publish(NODE, "/chatter", KILTED.message(STRING), DEFAULT)
@@ -90,7 +78,7 @@ async def test_messages_reach_the_peer(meeting: Meet, library: str) -> None:
 
 
 @LIBRARIES
-@scenario
+@with_timeout
 async def test_messages_of_the_peer_arrive(meeting: Meet, library: str) -> None:
     async with meeting(library) as (carrier, other):
         first = asyncio.get_running_loop().create_future()
@@ -110,7 +98,7 @@ async def test_messages_of_the_peer_arrive(meeting: Meet, library: str) -> None:
         assert carrier.node_of(gid) == ("/peer" if library == "pyzeros" else gid.hex())
 
 
-@scenario
+@with_timeout
 async def test_late_peers_get_latched_messages(meeting: Meet) -> None:
     async with meeting("sdk") as (carrier, other):
         writer = carrier.publish(NODE, "/map", KILTED.message(STRING), LATCHED)
@@ -123,7 +111,7 @@ async def test_late_peers_get_latched_messages(meeting: Meet) -> None:
 
 
 @LIBRARIES
-@scenario
+@with_timeout
 async def test_the_peer_calls_a_service(meeting: Meet, library: str) -> None:
     async with meeting(library) as (carrier, other):
         callers = []
@@ -144,7 +132,7 @@ async def test_the_peer_calls_a_service(meeting: Meet, library: str) -> None:
 
 
 @LIBRARIES
-@scenario
+@with_timeout
 async def test_the_peer_answers_a_call(meeting: Meet, library: str) -> None:
     async with meeting(library) as (carrier, other):
         client = carrier.client(NODE, "/switch", KILTED.service(SET_BOOL))
@@ -163,7 +151,7 @@ async def test_the_peer_answers_a_call(meeting: Meet, library: str) -> None:
             assert (answered.result().success, answered.result().message) == (wanted, BY[library])
 
 
-@scenario
+@with_timeout
 async def test_the_peer_reads_our_graph(meeting: Meet) -> None:
     async with meeting("sdk") as (carrier, other):
         carrier.publish(NODE, "/robot1/map", KILTED.message(STRING), LATCHED)
@@ -172,10 +160,10 @@ async def test_the_peer_reads_our_graph(meeting: Meet) -> None:
 
 
 @LIBRARIES
-@scenario
+@with_timeout
 async def test_a_killed_peer_leaves_the_graph(meeting: Meet, library: str) -> None:
     async with meeting(library) as (carrier, other):
         other.do("subscribe", name="/chatter", latched=False)
         await until(lambda: carrier.nodes() and carrier.endpoints())
-        other.process.kill()
+        other.kill()
         await until(lambda: not carrier.nodes() and not carrier.endpoints())
