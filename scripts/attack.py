@@ -34,10 +34,11 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TypeAlias, cast
+from typing import IO, TypeAlias, cast
 
 import attack_browsers
 import attack_ros2
+import attack_zenoh
 from attack_browsers import BrowserBreachError, PlayingPerson
 from free_ports import free_ports
 
@@ -49,6 +50,9 @@ from thbridge.files.keys.key_ring import KeyRing
 from thbridge.mavlink.wire.dialect import mav
 from thbridge.roles.shared.participant_lines import encode_request_line
 from thbridge.roles.shared.view import RequestSuggestion
+from thbridge.ros2graph.sockets.dds import DdsCarrier
+from thbridge.ros2graph.sockets.zenoh import ZenohCarrier
+from thbridge.sockets.addresses import Address
 from thbridge.text_protocol.wire.lines import encode_line
 from thbridge.timing.wall_clock import utc_now
 from thbridge.watching.wire import BagStreamReader, SessionMessage, parse_status
@@ -77,6 +81,8 @@ class Doors:
     web: int
     ros2: int = 0
     """Domain of the ROS 2 graph."""
+    router: int = 0
+    """Port of the zenoh router. If 0, the ROS 2 graph uses DDS."""
     node: int = 0
     tcpros: int = 0
 
@@ -110,7 +116,9 @@ class Honest(threading.Thread):
     def __init__(self, doors: "Doors") -> None:
         super().__init__(daemon=True)
         self._person = PlayingPerson(doors.web)
-        self._node = attack_ros2.HonestNode(doors.ros2)
+        self._node = attack_ros2.HonestNode(
+            ZenohCarrier(doors.ros2, Address(HOST, doors.router)) if doors.router else DdsCarrier(doors.ros2)
+        )
         self.wait = self.lag = 0.0
         self.refused = 0
         self.slowest = ""
@@ -704,18 +712,24 @@ def attacks_on_browsers(doors: Doors, outside: Outside, draws: random.Random, sc
 def attacks_on_ros2(doors: Doors, outside: Outside, scale: int) -> Iterator[Attack]:
     """Yield attacks on the ROS 2 graph."""
 
-    async def run(attack: Callable[[], tuple[int, int]]) -> int:
-        tries = await outside(attack)
+    async def run(*attacks: Callable[[], tuple[int, int]]) -> int:
+        tries = await outside(*attacks)
         if outside.cut:
             raise BreachError
         return tries
 
+    if doors.router:
+        for name, attacks in attack_zenoh.attacks_on_zenoh(doors.ros2, doors.router, scale):
+            yield name, partial(run, *attacks)
+        return
     for name, attack in attack_ros2.attacks_on_ros2(doors.ros2, scale):
         yield name, partial(run, attack)
 
 
 def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int, folder: Path) -> list[Attack]:
     """Return all attacks with their names. Scale 1 is quick, 10 is the original size; the session runs in `folder`."""
+    if doors.router:  # All other ports were attacked while the session used DDS.
+        return [*attacks_on_ros2(doors, outside, scale)]
     may_give_away = os.geteuid() == 0
     forged = b'%%error SimR Game thbridge {"kind":"Status","game":1}\n'
     surrogate = b'%%error SimR Game thbridge {"kind":"GiveUp","game":"\\ud800"}\n'
@@ -898,7 +912,7 @@ def row(held: Held) -> str:
 
 
 def main() -> int:
-    """Run the attacks."""
+    """Run the attacks, first with the ROS 2 graph over DDS, then over zenoh."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seed", type=int, default=1, help="random seed")
     parser.add_argument(
@@ -908,8 +922,19 @@ def main() -> int:
     parser.add_argument(
         "--descriptors", type=int, help="limit of the session's descriptors (default: the system's limit)"
     )
+    parser.add_argument("--carrier", choices=["dds", "zenoh"], help="run only the attacks with this carrier")
     given = parser.parse_args()
-    doors = replace(Doors(*free_ports(7)), ros2=attack_ros2.free_domain())
+    carriers = ["dds", "zenoh"] if given.carrier is None else [given.carrier]
+    outcomes = [attack_session(given, carrier) for carrier in carriers]
+    held = [each for one in outcomes for each in one[0]]
+    print(json.dumps({"attacks": len(held), "held": sum(each.well for each in held)}))
+    return 0 if all(each.well for each in held) and all(is_whole for _, is_whole in outcomes) else 1
+
+
+def attack_session(given: argparse.Namespace, carrier: str) -> tuple[list[Held], bool]:
+    """Attack a session; return the outcomes, and True if its recording is complete and it printed no traceback."""
+    router = free_ports(1)[0] if carrier == "zenoh" else 0
+    doors = replace(Doors(*free_ports(7)), ros2=attack_ros2.free_domain(), router=router)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         KeyRing(folder / "keys", utc_now).add("honest", [Right.ADMIN], KEY, None)
@@ -918,8 +943,17 @@ def main() -> int:
         options += ["--ros-master", f"http://{HOST}:{doors.ros}", "--mavlink", "--tcp", f"{HOST}:{doors.tcp}"]
         options += ["--udp-listen", f"{HOST}:{doors.udp}", "--rate", "1", "--bag", "hunt.bag", "--no-report"]
         options += ["--foxglove", str(doors.foxglove), "--ros2", "--ros2-domain", str(doors.ros2)]
+        options += ["--carrier", carrier]
         # A recording with a new part every two seconds always needs a free descriptor.
-        (folder / "study.yaml").write_text("recording: {split_duration: 2}\n")
+        study = "recording: {split_duration: 2}\n"
+        routing: subprocess.Popen[bytes] | None = None
+        if doors.router:
+            study += f"ros2: {{router: '{HOST}:{doors.router}'}}\n"
+            routing = subprocess.Popen(
+                [*COMMAND, "ros2", "router", "--listen", f"{HOST}:{doors.router}"], stdout=subprocess.PIPE
+            )
+            cast("IO[bytes]", routing.stdout).readline()
+        (folder / "study.yaml").write_text(study)
         output = folder / "output.txt"
         with output.open("wb") as file:
             session = subprocess.Popen(
@@ -936,14 +970,14 @@ def main() -> int:
             while "join at" not in output.read_text():
                 if session.poll() is not None:
                     print(output.read_text())
-                    return 1
+                    return [], False
                 time.sleep(0.1)
             gateway = attack_browsers.serve(folder, doors.web)
             titles = f"{'wait':>10} {'client':<8} {'lag':>9} {'refused':>7} {'closed':>6} {'memory':>10} {'files':>5}"
             print(f"{'attack':<45} {'tries':>7} {titles}  outcome")
             held = assault(doors.with_node(), session, gateway, given.seed, given.scale, given.only, folder)
         finally:
-            for process in (gateway, session):
+            for process in (gateway, session, routing):
                 if process is not None and process.poll() is None:
                     process.send_signal(signal.SIGTERM)
                 if process is not None:
@@ -960,8 +994,7 @@ def main() -> int:
         print(text[text.index("Traceback") - 500 :][:3000])
     if not all(each.running for each in held):
         print("\n".join(line for line in text.splitlines()[-40:] if "Dropping client" not in line))
-    print(json.dumps({"attacks": len(held), "held": sum(each.well for each in held)}))
-    return 0 if all(each.well for each in held) and replayed and not traceback else 1
+    return held, replayed and not traceback
 
 
 if __name__ == "__main__":

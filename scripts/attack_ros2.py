@@ -18,6 +18,7 @@ from itertools import cycle, islice
 
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.qos import LATCHED, SERVICES, QosProfile
+from thbridge.ros2graph.sockets.carrier import GraphCarrier
 from thbridge.ros2graph.sockets.dds import DdsCarrier
 from thbridge.ros2graph.values.graph import NodeName
 from thbridge.ros2graph.wire.rtps import guids, ports
@@ -57,13 +58,13 @@ class HonestNode:
     """Node that gets a parameter of the session again and again, and listens to its clock.
 
     Args:
-        domain: domain of the graph.
+        carrier: connection to the graph, before it is started.
         name: name of the node.
     """
 
-    def __init__(self, domain: int, name: str = "honest") -> None:
+    def __init__(self, carrier: GraphCarrier, name: str = "honest") -> None:
         self._loop = asyncio.new_event_loop()
-        self._carrier = DdsCarrier(domain)
+        self._carrier = carrier
         self._ticks = 0
         types, node = Distribution.of("jazzy"), NodeName("/", name)
         self._request = types.encode(f"{_GET}_Request", types.make(f"{_GET}_Request", names=["min_particles"]))
@@ -333,7 +334,7 @@ def invented_participants(domain: int, count: int) -> tuple[int, int]:
 
     sent = foe.flood(announcements(), discovery=True)
     try:
-        HonestNode(domain, "newcomer").close()
+        HonestNode(DdsCarrier(domain), "newcomer").close()
     except OSError:
         return sent, 1
     return sent, 0

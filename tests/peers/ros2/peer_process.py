@@ -4,7 +4,7 @@ import asyncio
 import functools
 import json
 import os
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
 
@@ -102,11 +102,15 @@ def compile_pyzeros() -> None:
 
 @asynccontextmanager
 async def peer(
-    script: str, *arguments: str, discovery: str = "LOCALHOST", folder: Path | None = None
+    script: str,
+    *arguments: str,
+    discovery: str = "LOCALHOST",
+    folder: Path | None = None,
+    by: Sequence[str] = (str(PYTHON),),
 ) -> AsyncIterator[PeerProcess]:
-    """Run a peer. It may write files into the folder."""
+    """Run a peer by a command. It may write files into the folder."""
     process = await asyncio.create_subprocess_exec(
-        str(PYTHON),
+        *by,
         str(FOLDER / script),
         *arguments,
         env=environment(DOMAIN, discovery),

@@ -1,9 +1,11 @@
-"""Bounded queues between the event loop and threads, and a thread for calls that may wait."""
+"""Bounded queues between the event loop and threads, and threads for calls that may wait."""
 
 import logging
 import threading
 from collections import deque
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from queue import SimpleQueue
 from typing import Generic, TypeAlias, TypeVar
 
@@ -11,6 +13,8 @@ _log = logging.getLogger(__name__)
 
 MOST_BYTES = 64 << 20
 """Maximum number of bytes that wait in a queue."""
+_MOST_CLIENTS = 16
+"""Maximum number of clients for which calls wait at the same time."""
 
 Job: TypeAlias = Callable[[], None]
 _Item = TypeVar("_Item")
@@ -91,3 +95,47 @@ class CallThread:
                 job()
             except Exception:
                 _log.exception("a call failed")
+
+
+class ClientThreads:
+    """Threads for calls that wait for clients. Calls for the same client are made one after the other.
+
+    So a client that does not read delays no other client, as long as there are not too many such clients.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._pool = ThreadPoolExecutor(_MOST_CLIENTS, name)
+        self._waiting: dict[bytes, deque[tuple[Job, int]]] = {}
+        self._bytes = 0
+        self._lock = threading.RLock()  # Garbage collection may post a call at any time.
+
+    def post(self, client: bytes, job: Job, size: int) -> bool:
+        """Make a call that keeps a number of bytes. If too many bytes wait, do nothing, and return False."""
+        with self._lock:
+            if size and self._bytes + size > MOST_BYTES:
+                return False
+            self._bytes += size
+            jobs = self._waiting.setdefault(client, deque())
+            jobs.append((job, size))
+            if len(jobs) == 1:
+                with suppress(RuntimeError):  # It has ended.
+                    self._pool.submit(self._run, client, jobs)
+        return True
+
+    def end(self) -> None:
+        """Make no further calls."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+    def _run(self, client: bytes, jobs: deque[tuple[Job, int]]) -> None:
+        while True:
+            job, size = jobs[0]
+            try:
+                job()
+            except Exception:
+                _log.exception("a call failed")
+            with self._lock:
+                self._bytes -= size
+                jobs.popleft()
+                if not jobs:
+                    del self._waiting[client]
+                    return

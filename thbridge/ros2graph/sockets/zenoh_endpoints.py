@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import logging
 import time
+from collections import deque
 from collections.abc import Callable, Container
-from weakref import WeakSet
+from functools import partial
+from math import inf
+from threading import Semaphore
 
 import zenoh
 from zenoh import ext
@@ -23,12 +26,15 @@ _warnings = WarnOnce(logging.getLogger(__name__))
 
 _HEARTBEAT_SECONDS = 0.5
 """Period in which publishers of latched topics repeat the number of their last message, as in rmw_zenoh."""
+_PART = 0.25
+"""Part of their lifespan by which messages may be kept longer."""
+_PRIORITY = zenoh.Priority.DATA_LOW
+"""Priority of messages, below that of responses. zenoh has a queue for each priority and peer. In the same queue, a
+response that waits for a slow client would delay the messages for all other programs."""
 _CALL_SECONDS = 24 * 3600
 """Seconds until a call of a service fails. Results of actions may take long."""
-_REQUESTS = 64
-"""Maximum number of requests that wait for the event loop."""
 _MOST_OPEN = 256
-"""Maximum number of requests of a service that wait for their response."""
+"""Maximum number of requests of a service that wait for the event loop, or for their response."""
 
 
 class ZenohWriter:
@@ -42,14 +48,8 @@ class ZenohWriter:
         self._gid = keys.gid
         self._count = count
         self._number = 0
-        self._publisher: zenoh.Publisher | ext.AdvancedPublisher | None = None
-        self._pending = LastItems(qos.depth, lambda job: link.call(lambda _: job()), self._put)
-
-        def declare(session: zenoh.Session) -> None:
-            self._publisher = _publisher(session, keys.data, qos)
-            link.keep(self._publisher)
-
-        link.call(declare)
+        self._publishers = _Publishers(link, keys.data, qos)
+        self._pending = LastItems(qos.depth, lambda job: link.call(lambda _: job()), self._publishers.put)
 
     @property
     def readers(self) -> int:
@@ -67,9 +67,40 @@ class ZenohWriter:
         attachment = Attachment(self._number, time.time_ns(), self._gid).write()
         self._pending.push((message, attachment), len(message))
 
-    def _put(self, item: tuple[bytes, bytes]) -> None:
-        if self._publisher is not None:
-            self._publisher.put(item[0], attachment=item[1])
+
+class _Publishers:
+    """Publisher of a topic, or several of them one after the other if its messages have a lifespan.
+
+    A publisher of zenoh keeps its last messages as long as it exists. So a publisher gets messages for a part of the
+    lifespan only. Then another one replaces it, and it ends when its last message expires.
+    """
+
+    def __init__(self, link: ZenohLink, key: str, qos: QosProfile) -> None:
+        self._link = link
+        self._key = key
+        self._qos = qos
+        self._lifespan = inf if qos.lifespan_ns is None else qos.lifespan_ns / 1e9
+        self._session: zenoh.Session | None = None
+        self.declared: deque[tuple[float, zenoh.Publisher | ext.AdvancedPublisher]] = deque()
+        link.keep(self)
+        link.call(self._declare)
+
+    def put(self, item: tuple[bytes, bytes]) -> None:
+        """Send a message and its attachment, on the thread of the link."""
+        if self._session is None:
+            return
+        if not self.declared or time.monotonic() > self.declared[-1][0] + _PART * self._lifespan:
+            self._declare(self._session)
+        self.declared[-1][1].put(item[0], attachment=item[1])
+
+    def _declare(self, session: zenoh.Session) -> None:
+        self._session = session
+        self.declared.append((time.monotonic(), _publisher(session, self._key, self._qos)))
+        if self._lifespan < inf:
+            self._link.call_later((1 + _PART) * self._lifespan, self._expire)
+
+    def _expire(self, _: zenoh.Session) -> None:
+        self.declared.popleft()[1].undeclare()
 
 
 class ZenohClient:
@@ -153,24 +184,24 @@ def subscribe(
 
 def serve(link: ZenohLink, keys: EndpointKeys, on_request: OnRequest) -> None:
     """Serve requests of other programs."""
-    waiting: WeakSet[_Response] = WeakSet()
+    places = Semaphore(_MOST_OPEN)
 
-    def begin(item: tuple[bytes, Attachment, zenoh.Query]) -> None:
-        request, attachment, query = item
-        if len(waiting) >= _MOST_OPEN:
-            _warnings.warn(f"{keys.data}: {_MOST_OPEN} requests wait for their response; more are refused")
-            return
-        response = _Response(link, keys.data, attachment, query, waiting)
-        on_request(request, attachment.gid, response)
+    def begin(item: tuple[bytes, _Response]) -> None:
+        on_request(item[0], item[1].client, item[1])
 
-    pending = LastItems(_REQUESTS, link.wake, begin)
+    pending = LastItems(_MOST_OPEN, link.wake, begin)
 
     def take(query: zenoh.Query) -> None:
         attachment = _attachment(query.attachment, keys.data)
-        if attachment is not None and query.payload is not None:
-            request = query.payload.to_bytes()
-            if not pending.push((request, attachment, query), len(request)):
-                _warnings.warn(f"{keys.data}: requests arrive faster than they are read; old ones are refused")
+        if attachment is None or query.payload is None:
+            return
+        request = query.payload.to_bytes()
+        fits = places.acquire(blocking=False)
+        if fits:
+            response = _Response(link, keys.data, attachment, query, places)
+            fits = pending.push((request, response), len(request))
+        if not fits:
+            _warnings.warn(f"{keys.data}: more than {_MOST_OPEN} requests wait; further ones are refused")
 
     def declare(session: zenoh.Session) -> None:
         link.keep(session.declare_queryable(keys.data, Callback(take, indirect=False), complete=True))
@@ -181,31 +212,45 @@ def serve(link: ZenohLink, keys: EndpointKeys, on_request: OnRequest) -> None:
 class _Response:
     """Function that sends the response to a request, once.
 
+    Responses, and the end of requests without a response, wait for clients that do not read. So both happen on threads
+    of their own.
+
     Args:
-        waiting: set of the requests that wait for their response.
+        places: limit of the requests that wait. This request has a place, and gives it back.
     """
 
-    def __init__(
-        self, link: ZenohLink, data: str, request: Attachment, query: zenoh.Query, waiting: WeakSet[_Response]
-    ) -> None:
+    def __init__(self, link: ZenohLink, data: str, request: Attachment, query: zenoh.Query, places: Semaphore) -> None:
+        self.client = request.gid
         self._link = link
         self._data = data
         self._request = request
-        self._query = query
-        self._waiting = waiting
-        waiting.add(self)
+        self._query: zenoh.Query | None = query
+        self._places = places
 
     def __call__(self, response: bytes) -> None:
-        if self not in self._waiting:
+        query = self._query
+        if query is None:
             return
-        self._waiting.discard(self)
-        attachment = Attachment(self._request.number, time.time_ns(), self._request.gid).write()
+        attachment = Attachment(self._request.number, time.time_ns(), self.client).write()
+        send = partial(query.reply, self._data, response, attachment=attachment)
+        if self._link.reply(self.client, partial(_end, query, self._places, send), len(response)):
+            self._query = None
+        else:
+            _warnings.warn(f"{self._data}: too many responses wait to be sent; some are dropped")
 
-        def send(_: zenoh.Session) -> None:
-            self._query.reply(self._data, response, attachment=attachment)
-            self._query.drop()
+    def __del__(self) -> None:
+        query = self._query
+        if query is not None:
+            self._link.reply(self.client, partial(_end, query, self._places))
 
-        self._link.call(send)
+
+def _end(query: zenoh.Query, places: Semaphore, send: Callable[[], None] = lambda: None) -> None:
+    """Send a response, if there is one, and end the request."""
+    try:
+        send()
+        query.drop()
+    finally:
+        places.release()
 
 
 def _attachment(data: zenoh.ZBytes | None, key: str) -> Attachment | None:
@@ -221,13 +266,14 @@ def _publisher(session: zenoh.Session, key: str, qos: QosProfile) -> zenoh.Publi
     reliability = zenoh.Reliability.RELIABLE if is_reliable else zenoh.Reliability.BEST_EFFORT
     drop = zenoh.CongestionControl.DROP
     if qos.durability is Durability.VOLATILE:
-        return session.declare_publisher(key, reliability=reliability, congestion_control=drop)
+        return session.declare_publisher(key, reliability=reliability, congestion_control=drop, priority=_PRIORITY)
     misses = ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=_HEARTBEAT_SECONDS)
     return ext.declare_advanced_publisher(
         session,
         key,
         reliability=reliability,
         congestion_control=drop,
+        priority=_PRIORITY,
         cache=ext.CacheConfig(max_samples=qos.depth),
         sample_miss_detection=misses if is_reliable else None,
         publisher_detection=True,

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import zenoh
 
-from thbridge.ros2graph.sockets.last_items import CallThread, Job
+from thbridge.ros2graph.sockets.last_items import CallThread, ClientThreads, Job
 from thbridge.ros2graph.sockets.zenoh_settings import peer_settings
 from thbridge.sockets.addresses import Address
 from thbridge.sockets.errors import CannotReach
@@ -33,6 +33,7 @@ class ZenohLink:
         self._id = session
         self._router = router
         self._calls = CallThread("zenoh")
+        self._replies = ClientThreads("zenoh replies")
         self._session: zenoh.Session | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._tokens: dict[str, zenoh.LivelinessToken] = {}
@@ -63,17 +64,22 @@ class ZenohLink:
         if self._session is None:
             return
         self.call(self._end)
+        self._replies.end()
         if not await asyncio.to_thread(self._calls.end, _STOP_SECONDS):
             _log.warning("zenoh did not end its session in time; it ends with the program")
 
     def call(self, job: Callable[[zenoh.Session], None]) -> None:
         """Make a call of zenoh after all posted calls. This never waits. After the end, nothing happens."""
 
-        def run() -> None:
-            if self._session is not None:
-                job(self._session)
+        self._calls.post(lambda: None if self._session is None else job(self._session))
 
-        self._calls.post(run)
+    def reply(self, client: bytes, job: Job, size: int = 0) -> bool:
+        """Make a call that may wait for a client. Return False if too many bytes wait already, and do nothing then."""
+        return self._replies.post(client, lambda: None if self._session is None else job(), size)
+
+    def call_later(self, seconds: float, job: Callable[[zenoh.Session], None]) -> None:
+        """Make a call of zenoh after this number of seconds. Any thread may ask for this."""
+        self.wake(lambda: asyncio.get_running_loop().call_later(seconds, self.call, job) and None)
 
     def wake(self, job: Job) -> None:
         """Make a call on the event loop. Any thread may ask for this. After the end, nothing happens."""

@@ -5,7 +5,7 @@ import threading
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.ros2graph.sockets.last_items import MOST_BYTES, CallThread, LastItems
+from thbridge.ros2graph.sockets.last_items import MOST_BYTES, CallThread, ClientThreads, LastItems
 
 
 @given(st.integers(1, 4), st.lists(st.integers(0, 3) | st.none(), max_size=60))
@@ -58,3 +58,32 @@ def test_a_call_that_never_returns_does_not_block_the_end():
     thread.post(blocked.wait)
     assert not thread.end(0.01)
     blocked.set()
+
+
+def test_a_client_for_which_a_call_waits_delays_no_other_client():
+    threads, released, done, order = ClientThreads("test"), threading.Event(), threading.Event(), []
+    threads.post(b"slow", released.wait, 0)
+    for number in range(3):
+        threads.post(b"slow", lambda number=number: order.append(number), 0)
+    threads.post(b"other", lambda: order.append("other"), 0)
+    threads.post(b"other", lambda: 1 / 0, 0)
+    threads.post(b"other", done.set, 0)
+    assert done.wait(10)
+    assert order == ["other"]
+    done.clear()
+    released.set()
+    threads.post(b"slow", done.set, 0)
+    assert done.wait(10)
+    assert order == ["other", 0, 1, 2]
+    threads.end()
+    assert threads.post(b"late", lambda: order.append("late"), 0)
+
+
+def test_bytes_that_wait_for_clients_are_bounded():
+    threads, released, done = ClientThreads("test"), threading.Event(), threading.Event()
+    assert threads.post(b"a", released.wait, MOST_BYTES)
+    assert not threads.post(b"b", done.set, 1)
+    assert threads.post(b"c", done.set, 0)
+    assert done.wait(10)
+    released.set()
+    threads.end()
