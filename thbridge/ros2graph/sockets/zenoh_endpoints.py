@@ -100,7 +100,7 @@ class _Publishers:
             self._link.call_later((1 + _PART) * self._lifespan, self._expire)
 
     def _expire(self, _: zenoh.Session) -> None:
-        self.declared.popleft()[1].undeclare()
+        self.declared.popleft()  # zenoh withdraws the declaration of an object that is gone.
 
 
 class ZenohClient:

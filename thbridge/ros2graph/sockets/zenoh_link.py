@@ -79,7 +79,11 @@ class ZenohLink:
 
     def call_later(self, seconds: float, job: Callable[[zenoh.Session], None]) -> None:
         """Make a call of zenoh after this number of seconds. Any thread may ask for this."""
-        self.wake(lambda: asyncio.get_running_loop().call_later(seconds, self.call, job) and None)
+
+        def start() -> None:
+            asyncio.get_running_loop().call_later(seconds, self.call, job)
+
+        self.wake(start)
 
     def wake(self, job: Job) -> None:
         """Make a call on the event loop. Any thread may ask for this. After the end, nothing happens."""
