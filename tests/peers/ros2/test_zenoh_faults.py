@@ -30,6 +30,7 @@ DOMAIN = 72
 KILTED = Distribution.of("kilted")
 GET = "rcl_interfaces/srv/GetParameters"
 OPERATOR = NodeName("/", "operator")
+GOALS = count(1)
 
 pytestmark = [needs_ros2, pytest.mark.slow]
 
@@ -95,14 +96,13 @@ class Operator:
             lambda goal, feedback: self.count("feedback"),
         )
         self.parameters = self.carrier.client(OPERATOR, "/robot1/amcl/get_parameters", KILTED.service(GET))
-        self.ids = count(1)
 
     def count(self, name: str) -> None:
         self.got[name] += 1
 
     def send(self, x: float) -> tuple[bytes, list[ActionResult[object]]]:
         """Send a goal; return its id, and a list that gets its result."""
-        goal, results = goal_id(next(self.ids)), []
+        goal, results = goal_id(next(GOALS)), []
 
         def answered(accepted: int | None) -> None:
             assert accepted is not None

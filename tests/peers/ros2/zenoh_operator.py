@@ -33,9 +33,13 @@ async def main() -> None:
         while not client.has_server:
             await asyncio.sleep(0.01)
         if command["do"] == "goal":
-            goal = navigation_goal(kilted, command["x"])
-            client.send_goal(goal_id(command["id"]), goal, lambda accepted: tell("answer", accepted=accepted))
-            client.get_result(goal_id(command["id"]), lambda result: tell("result", status=result.state.name))
+            goal, uuid = navigation_goal(kilted, command["x"]), goal_id(command["id"])
+
+            def answered(accepted: int | None) -> None:
+                tell("answer", accepted=accepted)
+                client.get_result(uuid, lambda result: tell("result", status=result.state.name))
+
+            client.send_goal(uuid, goal, answered)
             return
         if command["do"] == "subscribe":
             for (name, role), each in {(each.name, each.role): each for each in carrier.endpoints()}.items():
