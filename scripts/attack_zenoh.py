@@ -229,7 +229,7 @@ def many_sessions(domain: int, router: int, count: int) -> tuple[int, int]:
 
 
 def noise(router: int, seed: int, count: int) -> tuple[int, int]:
-    """Send random bytes to the router and to the session's own port, in many connections, some of which stay open."""
+    """Send random bytes to the router and to the session in many connections, and keep a part of them open."""
     draws, kept, ports = random.Random(seed), [], [router]
     with zenoh.open(peer_settings("abcdef", Address(HOST, router))) as looking:
         end = time.monotonic() + 1.0

@@ -38,13 +38,14 @@ pytestmark = [needs_ros2, pytest.mark.slow]
 class Graph:
     """Router and session, as programs of their own."""
 
-    def __init__(self, folder: Path, host: str = "127.0.0.1", *, cable: BadCable | None = None) -> None:
-        self.at = Address(host, free_port())
-        by = () if cable is None else cable.here_by
-        open_to = () if cable is None else ("--open-to", "10.9.0.0/24")
-        self.router = Program(folder, "ros2", "router", "--listen", f"{host}:{self.at.port}", *open_to, by=by)
+    def __init__(self, folder: Path, cable: BadCable | None = None) -> None:
+        self.at = Address("127.0.0.1", free_port())
+        by, listen = (), [str(self.at)]
+        if cable is not None:
+            by, listen = cable.here_by, [f"0.0.0.0:{self.at.port}", "--open-to", "10.9.0.0/24"]
+        self.router = Program(folder, "ros2", "router", "--listen", *listen, by=by)
         wait("the router", lambda: "listening on" in self.router.text, [self.router])
-        section = f"{{distribution: kilted, carrier: zenoh, domain: {DOMAIN}, router: '{host}:{self.at.port}'}}"
+        section = f"{{distribution: kilted, carrier: zenoh, domain: {DOMAIN}, router: '{self.at}'}}"
         (folder / "study.yaml").write_text(f"ros2: {section}\n")
         self.session = Program(folder, "simr", "study.yaml", "--server", f"127.0.0.1:{free_port()}", "--ros2", by=by)
         self.until_joined()
@@ -156,9 +157,9 @@ async def operator(at: Address) -> AsyncIterator[Operator]:
         await made.carrier.stop()
 
 
-def killable(graph: Graph, by: Sequence[str] = ()) -> AbstractAsyncContextManager[PeerProcess]:
+def killable(at: Address, by: Sequence[str] = ()) -> AbstractAsyncContextManager[PeerProcess]:
     """Run an operator in its own process, by a command."""
-    return peer("zenoh_operator.py", str(graph.at), str(DOMAIN), by=(*by, sys.executable))
+    return peer("zenoh_operator.py", str(at), str(DOMAIN), by=(*by, sys.executable))
 
 
 async def knows_robot(other: PeerProcess) -> None:
@@ -219,7 +220,7 @@ async def test_a_session_may_be_killed_and_restarted(graph: Graph, tmp_path: Pat
 
 @with_timeout
 async def test_a_goal_of_a_killed_client_continues_and_others_can_cancel_it(graph: Graph) -> None:
-    async with operator(graph.at) as node, killable(graph) as other:
+    async with operator(graph.at) as node, killable(graph.at) as other:
         other.do("goal", id=100, x=3.0)
         await other.event("answer")
         other.kill()
@@ -236,7 +237,7 @@ async def test_a_goal_of_a_killed_client_continues_and_others_can_cancel_it(grap
 
 @with_timeout
 async def test_subscribers_that_stand_still_delay_nobody(graph: Graph) -> None:
-    async with operator(graph.at) as node, killable(graph) as other:
+    async with operator(graph.at) as node, killable(graph.at) as other:
         await node.works()
         other.do("subscribe")
         await count_of(other, "clock", 10)
@@ -260,10 +261,10 @@ async def test_subscribers_that_stand_still_delay_nobody(graph: Graph) -> None:
 @with_timeout
 async def test_a_client_commands_robots_over_a_lossy_network(tmp_path: Path) -> None:
     with bad_cable() as cable:
-        graph = await asyncio.to_thread(Graph, tmp_path, HERE, cable=cable)
+        graph = await asyncio.to_thread(Graph, tmp_path, cable)
         try:
             cable.set(0.02, 0.2)
-            async with killable(graph, cable.there_by) as other:
+            async with killable(Address(HERE, graph.at.port), cable.there_by) as other:
                 other.do("goal", id=1, x=1.0)
                 await other.event("result", status="SUCCEEDED")
                 other.do("subscribe")

@@ -9,6 +9,7 @@ from typing import TypeAlias
 import zenoh
 
 from thbridge.sockets.addresses import LOCALHOST, Address
+from thbridge.sockets.admission import is_own
 
 Setting: TypeAlias = "bool | int | str | list[str] | dict[str, Setting]"
 
@@ -19,11 +20,12 @@ _LONGEST_MESSAGE = 32 << 20
 def peer_settings(session: str, router: Address) -> zenoh.Config:
     """Return the settings of a node's session with this id. It listens on this machine only.
 
-    It connects to the router, and again whenever the connection is lost.
+    It connects to the router, and again whenever the connection is lost. If the router is on another machine, the
+    session is a client, because the programs there cannot connect to it, and a router forwards nothing between peers.
     """
     return _config(
         {
-            "mode": "peer",
+            "mode": "peer" if is_own(router.host) else "client",
             "id": session,
             "connect": {
                 "endpoints": [_endpoint(router)],

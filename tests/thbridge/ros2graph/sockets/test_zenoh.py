@@ -328,3 +328,5 @@ def test_it_listens_on_this_machine_only():
     assert settings["listen"]["endpoints"] == ["tcp/127.0.0.1:0"]
     assert settings["connect"]["endpoints"] == ["tcp/robot:7447"]
     assert settings["scouting"]["multicast"]["enabled"] is False
+    assert settings["mode"] == "client"
+    assert json.loads(str(peer_settings("a", Address("localhost", 7447))))["mode"] == "peer"
