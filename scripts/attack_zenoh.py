@@ -87,6 +87,11 @@ def _attachment(number: int = 1) -> bytes:
     return Attachment(number, time.time_ns(), os.urandom(16)).write()
 
 
+def _wait(released: threading.Event, _: object) -> None:
+    """Read nothing more until the end of the attack."""
+    released.wait()
+
+
 def _claims() -> Sequence[bytes]:
     """Return messages that announce more than they contain, or whose header is wrong."""
     sizes = (2**31, 2**32 - 1, 60_000, 7)
@@ -172,7 +177,7 @@ def request_flood(domain: int, router: int, seconds: float) -> tuple[int, int]:
     while time.monotonic() < end:
         for key, request in requests:
             fresh = request[:4] + os.urandom(16) + request[20:] if key == requests[0][0] else request
-            foe.call(key, fresh, _attachment(count), lambda reply: released.wait() and None)
+            foe.call(key, fresh, _attachment(count), partial(_wait, released))
             count += 1
     released.set()
     foe.zenoh.close()
@@ -183,7 +188,7 @@ def silent_subscribers(domain: int, router: int, sessions: int, seconds: float) 
     """Subscribe to all topics of the session, and read nothing."""
     foes, released = [HostileSession(domain, router) for _ in range(sessions)], threading.Event()
     kept = [
-        foe.zenoh.declare_subscriber(key, Callback(lambda sample: released.wait() and None, indirect=False))
+        foe.zenoh.declare_subscriber(key, Callback[zenoh.Sample](partial(_wait, released), indirect=False))
         for foe in foes
         for key in foe.keys(EndpointRole.PUBLISHER)
     ]
@@ -206,7 +211,7 @@ def invented_endpoints(domain: int, router: int, count: int) -> tuple[int, int]:
         node = NodeName("/robot1", "amcl") if number % 2 else NodeName("/", f"invented{number}")
         role, topic = [*EndpointRole][number % 4], "/robot1/cmd_vel"
         keys = names.endpoint(number, number, node, role, topic, support.dds_name, support.hash, SERVICES)
-        key = keys.liveliness if number % 3 else f"@ros2_lv/{domain}/{number}/{'x' * (number % 400)}"
+        key = keys.liveliness if number % 3 else f"@ros2_lv/{domain}/{number}/{'x' * (1 + number % 400)}"
         tokens.append(foe.zenoh.liveliness().declare_token(key))
     return len(tokens), _newcomer_fails(domain, router)
 
