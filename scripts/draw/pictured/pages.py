@@ -38,10 +38,16 @@ def _preparing(state: PageState) -> PageState:
     return replace(state, messages=(GamePrepared(3, sentence, StudyProgress(5, STEPS)),))
 
 
-def _waiting(state: PageState) -> PageState:
-    texts = language.texts()
-    heading, text = texts.text("web.waiting_for_game"), texts.text("web.waiting_for_game_text")
-    return replace(state, messages=(TurnToAwait(3, heading, text, 95, before=2, progress=StudyProgress(5, STEPS)),))
+def _waiting(key: str, before: int = 0) -> Callable[[PageState], PageState]:
+    """Return the change to a page on which a person waits; `key` is that of its texts."""
+
+    def change(state: PageState) -> PageState:
+        texts = language.texts()
+        heading, text = texts.text(f"web.{key}"), texts.text(f"web.{key}_text")
+        progress = StudyProgress(5, STEPS)
+        return replace(state, messages=(TurnToAwait(3, heading, text, 95, before=before, progress=progress),))
+
+    return change
 
 
 def _doing(deed: str) -> Callable[[PageState], PageState]:
@@ -56,7 +62,10 @@ BROWSER_ONLY: Mapping[str, tuple[str, Callable[[PageState], PageState]]] = {
     "instructions": ("kiosk-form", _doing("document.querySelector('#strip .acts button').click()")),
     "form-end": ("kiosk-form", _doing("document.querySelector('footer .main').scrollIntoView()")),
     "prepared": ("kiosk-text", _preparing),
-    "turn": ("kiosk-text", _waiting),
+    "turn": ("kiosk-text", _waiting("waiting_for_game", before=2)),
+    "others": ("kiosk-text", _waiting("waiting_for_others")),
+    "place": ("kiosk-text", _waiting("waiting_for_place")),
+    "taken": ("kiosk-text", _waiting("game_taken")),
     "taken-over": ("kiosk-text", _doing("new WebSocket(`ws://${location.host}/socket`)")),
     "lost": ("kiosk-text", lambda state: replace(state, before=NO_SOCKET)),
     "too-old": ("kiosk-text", lambda state: replace(state, before="delete window.HTMLDialogElement;")),
@@ -67,16 +76,24 @@ BROWSER_ONLY: Mapping[str, tuple[str, Callable[[PageState], PageState]]] = {
 
 GROUPS: Mapping[str, tuple[str, Mapping[str, str]]] = {
     "study": (
-        "A study: texts, consent and waiting",
+        "A study: texts and consent",
         {
             "kiosk-welcome": "welcome",
             "kiosk-text": "a text to read",
             "kiosk-consent": "consent",
             "prepared": "a game is being prepared",
-            "turn": "waiting for a game",
             "kiosk-once-more": "a comprehension check is repeated",
             "settings": "settings",
             "stop": "the question before a person stops",
+        },
+    ),
+    "waiting": (
+        "Waiting",
+        {
+            "turn": "for a game",
+            "others": "for the other people of a game",
+            "place": "for a place in a study",
+            "taken": "for a game that another person plays",
         },
     ),
     "forms": (
