@@ -3,11 +3,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageDraw
 from typer.testing import Result
 
 from sim.common.grid import OCCUPIED
-from tests.support.maps.floor_plans import plan
+from tests.support.maps.floor_plans import WALL, plan
 from tests.support.maps.small_arenas import two_rooms
 from tests.support.programs.commands import invoke
 from tests.support.slow import slow
@@ -303,14 +303,18 @@ class TestPlans:
 
     def test_pixels_finer_than_robots_need_are_joined(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
-        plan().resize((3900, 2700), Image.Resampling.NEAREST).save("plan.png")
-        done = invoke("maps", "new", "plan.png", "--width", "32.5", "--no-times", "--thinner", "6")
+        # Two rooms with their part of the corridor: a whole building with fine pixels takes ten times as long.
+        part = plan()
+        for ends in ((650, 380, 650, 520), (100, 520, 650, 520)):
+            ImageDraw.Draw(part).line(ends, fill=0, width=WALL)
+        part.crop((60, 60, 690, 560)).resize((1600, 1270), Image.Resampling.NEAREST).save("plan.png")
+        done = invoke("maps", "new", "plan.png", "--width", "15.75", "--no-times", "--thinner", "5", "--robots", "2")
         assert done.exit_code == 0, done.stderr
-        assert "A pixel is only 0.00833333 m wide, so 2 x 2 pixels are merged into one cell of 0.0166667 m." in (
+        assert "A pixel is only 0.00984375 m wide, so 2 x 2 pixels are merged into one cell of 0.0196875 m." in (
             done.stderr
         )
-        assert "1950 x 1350 cells of 0.0166667 m" in done.stdout
-        assert "Rooms: 8 found" in done.stdout
+        assert "800 x 635 cells of 0.0196875 m" in done.stdout
+        assert "Rooms: 2 found" in done.stdout
 
     def test_gray_walls_are_refused_with_the_thresholds_that_see_them(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
@@ -348,7 +352,8 @@ class TestPlans:
     def test_a_width_that_takes_walls_or_leaves_doors_shut_is_told(self, tmp_path, monkeypatch, pixels, thinner, told):
         monkeypatch.chdir(tmp_path)
         plan().resize(pixels, Image.Resampling.LANCZOS).save("plan.png")
-        done = invoke("maps", "new", "plan.png", "--width", "32.5", "--no-times", "--thinner", thinner)
+        options = "--no-times", "--thinner", thinner, "--robots", "1"
+        done = invoke("maps", "new", "plan.png", "--width", "32.5", *options)
         assert told in " ".join(done.stderr.split())
 
     @pytest.mark.parametrize(

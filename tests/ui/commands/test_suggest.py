@@ -73,7 +73,7 @@ def test_one_robot_may_have_any_number_of_rooms_before_it(tmp_path: Path) -> Non
         told = json.loads(asked(rooms, "--json"))
         tour = list(range(1, rooms + 1))
         assert told == {"next": 1, "tour": tour, "cost": rooms, "proven": True, "at_least": rooms}
-        assert "The cheapest tour is" in asked(rooms)
+    assert "The cheapest tour is" in asked(18)
 
 
 @pytest.mark.parametrize(
