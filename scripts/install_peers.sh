@@ -68,6 +68,23 @@ build_ros2_interfaces() {
     fi
 }
 
+# Lets pyzeros compile its code for attachments, which takes half a minute. Otherwise a test would wait for it.
+compile_pyzeros() {
+    [ -f $ros2/installed ] && [ ! -f $ros2/cydr_cache/compiled ] || return 0
+    echo "Compiling for tests/peers: pyzeros"
+    if CYDR_CACHE_DIR=$PWD/$ros2/cydr_cache $ros2/bin/python -c \
+        "from pyzeros.builtin_msgs import Attachment; Attachment.deserialize(Attachment().serialize())"; then
+        touch $ros2/cydr_cache/compiled
+    else
+        echo "pyzeros could not be compiled. The tests that need it may fail." >&2
+    fi
+}
+
+build_for_ros2() {
+    build_ros2_interfaces
+    compile_pyzeros
+}
+
 # All packages that tests execute, import or load, and packages with ROS messages; apt finds further dependencies.
 packages="ros-core python3-roslaunch python3-rosmaster python3-rosbag python3-rostopic python3-rosnode python3-rosparam
     python3-rosservice python3-rosmsg python3-rosgraph python3-rospy python3-actionlib python3-tf2 python3-tf2-ros
@@ -92,7 +109,7 @@ if [ "$(id -u)" != 0 ] || ! command -v apt-get >/dev/null; then
     if [ -n "$missing" ]; then
         echo "The tests against the real ROS tools, Java, Chromium and R will be skipped. To run them: sudo apt-get install$missing" >&2
     fi
-    build_ros2_interfaces
+    build_for_ros2
     exit 0
 fi
 if [ -n "$missing" ]; then
@@ -100,9 +117,9 @@ if [ -n "$missing" ]; then
     if ! apt-get update -q ||
         ! DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing >/dev/null; then
         echo "Some of these packages could not be installed. The tests that need them will be skipped." >&2
-        build_ros2_interfaces
+        build_for_ros2
         exit 0
     fi
 fi
-build_ros2_interfaces
+build_for_ros2
 scripts/install_ros_messages.sh || echo "Our message types could not be installed in ROS. The tests that need them will be skipped." >&2

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_domain
 from tests.support.project import ROOT
 from thbridge.ros2graph.sockets.dds import DdsCarrier
@@ -90,14 +89,8 @@ def environment(domain: int | str, discovery: str = "LOCALHOST") -> dict[str, st
     """Return the environment of a peer. `discovery` is its automatic discovery range on DDS."""
     kept = {name: value for name, value in os.environ.items() if name not in {"PYTHONPATH", "PYTHONHOME"}}
     own = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": discovery}
+    # scripts/install_peers.sh fills this folder with code that pyzeros compiles.
     return {**kept, **own, "CYDR_CACHE_DIR": str(ROS2 / "cydr_cache")}
-
-
-@functools.cache
-def compile_pyzeros() -> None:
-    """Let pyzeros compile its code for attachments; the first time, this takes half a minute."""
-    code = "from pyzeros.builtin_msgs import Attachment; Attachment.deserialize(Attachment().serialize())"
-    run_peer([PYTHON, "-c", code], env=environment(DOMAIN)).check_returncode()
 
 
 @asynccontextmanager
@@ -131,8 +124,6 @@ async def peer(
 
 def zenoh_peer(library: str, router: Address, domain: int, folder: Path) -> AbstractAsyncContextManager[PeerProcess]:
     """Run a node of a library for zenoh."""
-    if library == "pyzeros":
-        compile_pyzeros()
     return peer(ZENOH_PEERS[library], str(router.port), str(domain), folder=folder)
 
 
