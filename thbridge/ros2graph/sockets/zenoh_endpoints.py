@@ -33,6 +33,9 @@ _PRIORITY = zenoh.Priority.DATA_LOW
 response that waits for a slow client would delay the messages for all other programs."""
 _CALL_SECONDS = 24 * 3600
 """Seconds until a call of a service fails. Results of actions may take long."""
+_PAUSE_SECONDS = 0.002
+"""Seconds that a thread of zenoh waits after a message or request that was dropped. So floods leave processor time for
+the event loop, because Python runs one thread at a time."""
 _MOST_OPEN = 256
 """Maximum number of requests of a service that wait for the event loop, or for their response."""
 
@@ -178,6 +181,7 @@ def subscribe(
             message = sample.payload.to_bytes()
             if not pending.push((message, attachment.gid), len(message)):
                 _warnings.warn(f"{keys.data}: messages arrive faster than they are read; the last {qos.depth} are kept")
+                time.sleep(_PAUSE_SECONDS)
 
     link.call(lambda session: link.keep(_subscriber(session, keys.data, qos, Callback(take, indirect=False))))
 
@@ -202,6 +206,7 @@ def serve(link: ZenohLink, keys: EndpointKeys, on_request: OnRequest) -> None:
             fits = pending.push((request, response), len(request))
         if not fits:
             _warnings.warn(f"{keys.data}: more than {_MOST_OPEN} requests wait; further ones are refused")
+            time.sleep(_PAUSE_SECONDS)
 
     def declare(session: zenoh.Session) -> None:
         link.keep(session.declare_queryable(keys.data, Callback(take, indirect=False), complete=True))
