@@ -187,8 +187,9 @@ def request_flood(domain: int, router: int, seconds: float) -> tuple[int, int]:
 def silent_subscribers(domain: int, router: int, sessions: int, seconds: float) -> tuple[int, int]:
     """Subscribe to all topics of the session, and read nothing."""
     foes, released = [HostileSession(domain, router) for _ in range(sessions)], threading.Event()
+    take: Callable[[zenoh.Sample], None] = partial(_wait, released)
     kept = [
-        foe.zenoh.declare_subscriber(key, Callback[zenoh.Sample](partial(_wait, released), indirect=False))
+        foe.zenoh.declare_subscriber(key, Callback(take, indirect=False))
         for foe in foes
         for key in foe.keys(EndpointRole.PUBLISHER)
     ]
