@@ -1,19 +1,20 @@
 """Real Nav2 robots of a ROS 2 graph, as the robots of a study."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-
-import numpy as np
 
 from sim.common.robot_numbers import namespace_of
 from thbridge.app.compose.setting import StudySetting
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
+from thbridge.ros import names
 from thbridge.ros.reconfigure import DescribedParameter
+from thbridge.ros.remote.names import RemoteNames
 from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.topics import RosMessage, Topic
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.nav2_goals import Nav2Goals
 from thbridge.ros2graph.sockets.joining import carrier_of
-from thbridge.ros2graph.sockets.nav2_fleet import NODE, Nav2Fleet, Nav2Robot
+from thbridge.ros2graph.sockets.nav2_fleet import Nav2Fleet, Nav2Robot
 from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.rosgraph.sockets.fleet import TrafficRecorder
 from thbridge.rosgraph.wire.links import TopicHeader
@@ -44,23 +45,23 @@ class Nav2Traffic:
 
 
 def build_nav2_fleet(
-    setting: StudySetting, graph: Ros2Address, traffic: TrafficRecorder, offset: DescribedParameter
+    setting: StudySetting,
+    graph: Ros2Address,
+    robot_of: Callable[[int, RemoteNames], RemoteRobot],
+    traffic: TrafficRecorder,
+    offset: DescribedParameter,
 ) -> Nav2Fleet:
     """Return the real robots of a study, before they join their graph; see `Nav2Fleet`."""
-    study, section = setting.study, setting.study.fleet
-    footprint = np.array(study.world.footprint, dtype=np.float64)
-    stale_ns = round(section.silence * 1e9)
-    robots = []
-    for robot, (remote, nav2) in enumerate(section.nav2_names(study.robots, graph.distribution)):
-        goals = Nav2Goals(remote, f"{NODE.whole}-{namespace_of(robot)}-")
-        robots.append(Nav2Robot(RemoteRobot(robot, remote, NODE.whole, footprint, stale_ns), nav2, goals))
-    recorder = Nav2Traffic(traffic, Definitions(ROS_SHARES))
-    types = Distribution.of(graph.distribution.value)
+    study = setting.study
+    robots = [
+        Nav2Robot(robot_of(robot, remote), nav2, Nav2Goals(remote, f"{names.FLEET}-{namespace_of(robot)}-"))
+        for robot, (remote, nav2) in enumerate(study.fleet.nav2_names(study.robots, graph.distribution))
+    ]
     return Nav2Fleet(
         carrier_of(graph, Admission.to(study.open_to)),
-        types,
+        Distribution.of(graph.distribution.value),
         robots,
-        recorder,
+        Nav2Traffic(traffic, Definitions(ROS_SHARES)),
         offset,
         is_time_simulated=study.ros2.use_sim_time,
     )

@@ -3,8 +3,9 @@
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import replace
+from functools import partial
+from itertools import starmap
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
@@ -16,16 +17,17 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.app.programs import SIMR, SimrOptions, await_consent, run_at_server
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.simr_session import SimrSession
-from thbridge.roles.simr.team import RobotTeam
+from thbridge.ros import names
 from thbridge.ros.messages.stamps import TICK_NS
 from thbridge.ros.reconfigure import described
 from thbridge.ros.remote.changes import SettledState
 from thbridge.ros.remote.robot import RemoteRobot
+from thbridge.ros.remote.team import RemoteTeam
 from thbridge.ros.topics import RosMessage
 from thbridge.ros2graph.sockets.joining import NodeTaken
 from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.rosgraph.files.real_robots import FleetRecorder
-from thbridge.rosgraph.sockets.fleet import CALLER, Fleet
+from thbridge.rosgraph.sockets.fleet import Fleet
 from thbridge.rosgraph.sockets.joining import GraphAddress
 from thbridge.rosgraph.wire.links import TopicHeader
 from thbridge.sockets.errors import CannotListen, CannotReach
@@ -82,40 +84,20 @@ class HeldTraffic:
             self.recorder.flush()
 
 
-class RealTeam(RobotTeam, Protocol):
-    """Team of real robots of ROS 1 or ROS 2."""
-
-    async def start(self) -> object:
-        """Join the graph. Return the reason if this is not possible."""
-
-    async def stop(self) -> None:
-        """Stop the robots, and leave the graph."""
-
-    def missing(self) -> list[str]:
-        """Return the reasons why the robots cannot be commanded yet. Each reason is one sentence."""
-
-    @property
-    def joined(self) -> bool:
-        """True after the graph was found."""
-
-    def tell_changes(self) -> None:
-        """Log changes of the robots that people must know."""
-
-
-def build_fleet(setting: StudySetting, graph: GraphAddress | Ros2Address, traffic: HeldTraffic) -> RealTeam:
+def build_fleet(setting: StudySetting, graph: GraphAddress | Ros2Address, traffic: HeldTraffic) -> RemoteTeam:
     """Return the real robots of a study, before they join their graph."""
     section = setting.study.fleet
     (declared,) = live_parameters(FleetSection)
     offset = replace(described(declared), default=section.odom_time_offset)
+    footprint = np.array(setting.study.world.footprint, dtype=np.float64)
+    stale_ns = round(section.silence * 1e9)
+    robot_of = partial(RemoteRobot, caller=names.FLEET, footprint=footprint, stale_ns=stale_ns)
     if isinstance(graph, Ros2Address):
         # The import is here because other robots do not need the types of ROS 2.
         from thbridge.app.real_nav2_robots import build_nav2_fleet  # noqa: PLC0415
 
-        return build_nav2_fleet(setting, graph, traffic, offset)
-    footprint = np.array(setting.study.world.footprint, dtype=np.float64)
-    stale_ns = round(section.silence * 1e9)
-    named = section.names(setting.study.robots)
-    robots = [RemoteRobot(robot, each, CALLER, footprint, stale_ns) for robot, each in enumerate(named)]
+        return build_nav2_fleet(setting, graph, robot_of, traffic, offset)
+    robots = list(starmap(robot_of, enumerate(section.names(setting.study.robots))))
     return Fleet(graph, robots, traffic, offset)
 
 
@@ -151,7 +133,7 @@ async def simr_with_real_robots(
         traffic = HeldTraffic()
 
         def record(bag: Path) -> None:
-            writer = opened.enter_context(build_writer(setting, bag, CALLER))
+            writer = opened.enter_context(build_writer(setting, bag, names.FLEET))
             opening = build_record(setting, SIMR, [legacy.SIMR], "")
             traffic.release(FleetRecorder(writer, opening, room_labels(setting)))
 

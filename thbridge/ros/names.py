@@ -7,6 +7,8 @@ from sim.common.robot_numbers import namespace_of
 MAP_FRAME = "map"
 CALLER = "/thbridge"
 """Name of thbridge's node. It is the only publisher in bags and on a live graph."""
+FLEET = "/thbridge_fleet"
+"""Name of the node that commands real robots. A simulated session on the same graph has another name."""
 
 TF = "/tf"
 TF_STATIC = "/tf_static"

@@ -21,12 +21,13 @@ from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from tests.peers.ros_programs import knows
 from tests.support.programs.peer_programs import run_peer, skipping_if_crashed
 from thbridge.recording.bag.writing.writer import BagWriter
+from thbridge.ros import names
 from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.reconfigure import described
 from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.rosgraph.files.real_robots import FleetRecorder
-from thbridge.rosgraph.sockets.fleet import CALLER, Fleet
+from thbridge.rosgraph.sockets.fleet import Fleet
 from thbridge.rosgraph.sockets.joining import GraphAddress
 from thbridge.rosgraph.sockets.master_server import MasterServer
 from thbridge.rosgraph.sockets.node import NodeStarted
@@ -173,9 +174,9 @@ async def _drive(folder: Path, bag: Path) -> None:
     named = FleetNames(namespace="/kobuki", odom_frame="odom", base_frame="base_link", recorded=())
     master = MasterServer(port=0)
     assert isinstance(await master.start(), ListeningAddress)
-    with BagWriter(bag, caller=CALLER) as writer:
+    with BagWriter(bag, caller=names.FLEET) as writer:
         recorder = FleetRecorder(writer, SessionRecord("", 1, {}, "simr", ("SimR",), ""))
-        robots = [RemoteRobot(0, named.names(1), CALLER, np.zeros((0, 2)))]
+        robots = [RemoteRobot(0, named.names(1), names.FLEET, np.zeros((0, 2)))]
         (offset,) = live_parameters(FleetSection)
         fleet = Fleet(GraphAddress(master.uri), robots, recorder, described(offset))
         assert isinstance(await fleet.start(), NodeStarted)
@@ -241,10 +242,10 @@ def test_a_robot_of_ross_own_is_commanded_and_its_bag_read_by_ros(tmp_path: Path
     read = run_peer([PYTHON, "-c", READER, str(bag)], env=CLEAN)
     assert read.returncode == 0, read.stderr
     *told, first = map(tuple, json.loads(read.stdout))
-    assert first == ("/thbridge/session", "thbridge_msgs/Session", CALLER)
+    assert first == ("/thbridge/session", "thbridge_msgs/Session", names.FLEET)
     assert ("/kobuki/odom", "nav_msgs/Odometry", "/kobuki") in told
     assert ("/tf", "tf2_msgs/TFMessage", "/kobuki") in told
-    assert ("/kobuki/move_base/goal", "move_base_msgs/MoveBaseActionGoal", CALLER) in told
+    assert ("/kobuki/move_base/goal", "move_base_msgs/MoveBaseActionGoal", names.FLEET) in told
     assert ("/kobuki/move_base/goal", "move_base_msgs/MoveBaseActionGoal", "/rviz") in told
     assert ("/kobuki/move_base/result", "move_base_msgs/MoveBaseActionResult", "/kobuki") in told
-    assert ("/kobuki/cmd_vel", "geometry_msgs/Twist", CALLER) in told
+    assert ("/kobuki/cmd_vel", "geometry_msgs/Twist", names.FLEET) in told

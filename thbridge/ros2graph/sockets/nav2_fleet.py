@@ -1,4 +1,4 @@
-"""Fleet of real Nav2 robots on a ROS 2 graph, which is used as a team. It adds a graph to `thbridge.ros.remote`."""
+"""Fleet of real Nav2 robots on a ROS 2 graph, which is used as a team. It adds a carrier to `RemoteTeam`."""
 
 import asyncio
 import logging
@@ -7,11 +7,8 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Protocol, cast
+from typing import Protocol
 
-from sim.inputs import TeamInput
-from sim.parameters import RobotParameters, WorldParameters
-from sim.team import TeamSnapshot
 from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types
@@ -19,7 +16,7 @@ from thbridge.ros.messages.cursor import Cursor
 from thbridge.ros.reconfigure import DescribedParameter
 from thbridge.ros.remote.clock import RosClock
 from thbridge.ros.remote.names import Nav2Names
-from thbridge.ros.remote.robot import RemoteRobot, missing_of
+from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.remote.team import RemoteTeam
 from thbridge.ros.topics import RosMessage, Topic
 from thbridge.ros2.action_messages import pose_stamped_of
@@ -37,7 +34,7 @@ from thbridge.ros2graph.values.graph import EndpointRole, NodeName
 from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.sockets.warn_once import WarnOnce
 
-NODE = NodeName("/", "thbridge_fleet")
+NODE = NodeName("/", names.FLEET[1:])
 TEAM_TOPICS = {names.MAP: types.OCCUPANCY_GRID, names.ROSOUT: types.LOG, names.DIAGNOSTICS: types.DIAGNOSTIC_ARRAY}
 """Recorded topics that do not belong to a single robot, with their types in ROS 1."""
 LOOK_TICKS = 50
@@ -94,8 +91,8 @@ class _Subscription:
     receivers: list[tuple[RemoteRobot, str]] = field(default_factory=list)
 
 
-class Nav2Fleet:
-    """Team of real robots. It implements `thbridge.roles.simr.team.RobotTeam`.
+class Nav2Fleet(RemoteTeam):
+    """Team of real robots on a ROS 2 graph.
 
     Args:
         carrier: connection to their graph, before it is started.
@@ -118,28 +115,25 @@ class Nav2Fleet:
         is_time_simulated: bool = False,
         wall: Callable[[], int] = time.time_ns,
     ) -> None:
+        super().__init__([robot.remote for robot in robots], offset, wall)
         self._carrier = carrier
         self._distribution = distribution
         self._robots = tuple(robots)
         self._recorder = recorder
-        self._wall = wall
-        self._team = RemoteTeam([robot.remote for robot in robots], wall)
         self._complaints = WarnOnce(_log)
         self._ticks = 0
         self._waiting_cancels = 0
-        clock = RosClock(is_time_simulated)
-        self._team.clock = clock
+        self.clock = clock = RosClock(is_time_simulated)
         carrier.add_node(NODE)
         self._parameters = Nav2FleetParameters(
             carrier,
             distribution,
             NODE,
             offset,
-            self._correct_odometry,
+            self.correct_odometry,
             self.now,
             is_time_simulated=is_time_simulated,
         )
-        self._correct_odometry(cast(float, offset.default))
         self._is_rejected = False
         if is_time_simulated:
             support = distribution.message("rosgraph_msgs/msg/Clock")
@@ -172,10 +166,7 @@ class Nav2Fleet:
         """Stop the robots, and leave the graph."""
         if self._is_rejected:
             return  # The robots belong to the other program.
-        self._team.stop()
-        now_ns = self.now()
-        for index in range(len(self._robots)):
-            self._speak(index, now_ns or 0)
+        self._stop_robots()
         for _ in range(round(STOP_SECONDS / 0.02)):
             if not self._waiting_cancels:
                 break
@@ -186,66 +177,16 @@ class Nav2Fleet:
         """Return the reasons why the robots cannot be commanded yet. Each reason is one sentence."""
         if self.now() is None:
             return [f"use_sim_time is set, but there is no time on {names.CLOCK} yet"]
-        return missing_of(self._team.robots)
-
-    @property
-    def joined(self) -> bool:
-        """True, because a ROS 2 graph has no master that may be missing."""
-        return True
+        return super().missing()
 
     def tell_changes(self) -> None:
         """Process the state of the graph, and log changes of the robots; see `RemoteTeam`."""
-        now_ns = self.now()
         if self._ticks % LOOK_TICKS == 0:
             self._look_at_publishers()
         self._ticks += 1
-        if now_ns is not None:
+        if (now_ns := self.now()) is not None:
             self._follow_actions(now_ns)
-        self._team.tell_changes()
-
-    def now(self) -> int | None:
-        """Return the ROS time in nanoseconds, or None while it is unknown."""
-        return self._team.now()
-
-    @property
-    def size(self) -> int:
-        """Number of robots."""
-        return len(self._robots)
-
-    @property
-    def parameters(self) -> tuple[RobotParameters, ...]:
-        """Empty, because real robots run their own software."""
-        return ()
-
-    @property
-    def worlds(self) -> tuple[WorldParameters, ...]:
-        """Empty, because the real world has no parameters."""
-        return ()
-
-    def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
-        """Carry out the inputs and return the current state of the robots. The tick is computed from ROS time.
-
-        Raises:
-            ValueError: the robots cannot be commanded yet. See `missing`.
-        """
-        now_ns = self.now()
-        if now_ns is None:
-            raise ValueError("the time is not known yet")
-        self.tell_changes()
-        for item in inputs:
-            self._team.take(item, now_ns)
-        snapshot = self._team.snapshot(now_ns)
-        for index in range(len(self._robots)):
-            self._speak(index, now_ns)
-        if (config := self._parameters.take_unrecorded()) is not None:
-            self._recorder.sent(RosMessage(self._parameters.topic, now_ns, config))
-        if snapshot is None:
-            raise ValueError(f"not all robots are ready yet: {'; '.join(self.missing())}")
-        return snapshot
-
-    def _correct_odometry(self, seconds: float) -> None:
-        for robot in self._team.robots:
-            robot.stamp_odometry_later(round(seconds * 1e9))
+        super().tell_changes()
 
     # Actions
 
@@ -267,26 +208,27 @@ class Nav2Fleet:
             for part, data in robot.goals.step(now_ns, has_server=client.has_server):
                 name = robot.remote.names.action(part)
                 robot.remote.receive(name, data, now_ns)
-                kind = robot.remote.subscriptions[name]
-                self._recorder.sent(RosMessage(Topic(_recorded_name(name), kind), now_ns, data))
+                self._record(RosMessage(Topic(name, robot.remote.subscriptions[name]), now_ns, data))
 
-    def _speak(self, index: int, now_ns: int) -> None:
-        robot, client = self._robots[index], self._clients[index]
-        messages, robot.remote.outgoing = robot.remote.outgoing, []
-        for message in messages:
-            match robot.goals.request_of(message):
-                case Nav2Goal(goal_id, base_in_map):
-                    pose = pose_stamped_of(self._distribution, robot.remote.names.map_frame, now_ns, base_in_map)
-                    goal = self._distribution.make(f"{NAVIGATE_TO_POSE}_Goal", pose=pose)
-                    client.send_goal(goal_id, goal, partial(self._answered, robot, client, goal_id))
-                case Nav2Cancel(goal_id):
-                    self._waiting_cancels += 1
-                    client.cancel(GoalInfo(goal_id, 0), self._canceled)
-                case None:
-                    writer, convert = self._writers[message.topic.name]
-                    writer.write(convert(message))
-            topic = message.topic._replace(name=_recorded_name(message.topic.name))
-            self._recorder.sent(message._replace(topic=topic))
+    def _send(self, robot: int, message: RosMessage) -> None:
+        named, client = self._robots[robot], self._clients[robot]
+        match named.goals.request_of(message):
+            case Nav2Goal(goal_id, base_in_map):
+                frame = named.remote.names.map_frame
+                pose = pose_stamped_of(self._distribution, frame, message.stamp_ns, base_in_map)
+                goal = self._distribution.make(f"{NAVIGATE_TO_POSE}_Goal", pose=pose)
+                client.send_goal(goal_id, goal, partial(self._answered, named, client, goal_id))
+            case Nav2Cancel(goal_id):
+                self._waiting_cancels += 1
+                client.cancel(GoalInfo(goal_id, 0), self._canceled)
+            case None:
+                writer, convert = self._writers[message.topic.name]
+                writer.write(convert(message))
+
+    def _record(self, message: RosMessage) -> None:
+        # ROS 2 itself uses names with "_action".
+        name = message.topic.name.replace("/_action/", "/")
+        self._recorder.sent(message._replace(topic=message.topic._replace(name=name)))
 
     def _answered(self, robot: Nav2Robot, client: GraphActionClient, goal_id: bytes, accepted_ns: int | None) -> None:
         robot.goals.receive_answer(goal_id, accepted=accepted_ns is not None)
@@ -389,11 +331,6 @@ class Nav2Fleet:
             return
         seconds, nanoseconds = _TIME.unpack_from(data, 4)
         clock.receive(seconds * 1_000_000_000 + nanoseconds, self._wall())
-
-
-def _recorded_name(topic: str) -> str:
-    """Return the name under which a message of an action is recorded. ROS 2 itself uses names with "_action"."""
-    return topic.replace("/_action/", "/")
 
 
 def _with_level_of_ros1(log: bytes) -> bytes:

@@ -4,9 +4,7 @@ import logging
 from collections.abc import Callable, Mapping, Sequence
 from typing import cast
 
-from thbridge.ros.messages import types
-from thbridge.ros.reconfigure import DescribedParameter, values_config
-from thbridge.ros.topics import Topic
+from thbridge.ros.reconfigure import DescribedParameter
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.parameters import (
     MAX_CHANGES,
@@ -36,9 +34,6 @@ class Nav2FleetParameters:
         apply: called with each new value, seconds.
         now: returns the ROS time in nanoseconds, or None while it is unknown.
         is_time_simulated: value of the parameter use_sim_time.
-
-    Attributes:
-        topic: topic of ROS 1 under which changes are recorded.
     """
 
     def __init__(
@@ -57,8 +52,6 @@ class Nav2FleetParameters:
         self._apply = apply
         self._now = now
         self._seconds = cast(float, offset.default)
-        self._is_recorded = False
-        self.topic = Topic(f"{named.whole}/parameter_updates", types.CONFIG, latched=True)
         least, most = cast(float, offset.minimum), cast(float, offset.maximum)
         declared = NodeParameter(
             offset.name, ParameterKind.DOUBLE, offset.description, path=offset.path, minimum=least, maximum=most
@@ -72,13 +65,6 @@ class Nav2FleetParameters:
     def announce(self) -> None:
         """Publish all parameters as new."""
         self._events.announce(self._now() or 0, self.present(self._node))
-
-    def take_unrecorded(self) -> bytes | None:
-        """Return the message on `topic` that is not recorded yet, or None. Each message is returned once."""
-        if self._is_recorded:
-            return None
-        self._is_recorded = True
-        return values_config([(self._offset, self._seconds)])
 
     def present(self, node: ParameterNode) -> Mapping[str, Value]:
         """Return the values of the parameters that may change, by name."""
@@ -99,7 +85,6 @@ class Nav2FleetParameters:
     def _change(self, seconds: float) -> None:
         if seconds != self._seconds:
             self._seconds = seconds
-            self._is_recorded = False
             self._apply(seconds)
             self._events.changed(self._now() or 0, [(self._offset.name, seconds)])
             _log.warning("%s is %g s now", self._key, seconds)

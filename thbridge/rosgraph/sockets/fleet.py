@@ -1,15 +1,12 @@
-"""Fleet of real robots on a ROS graph, which is used as a team. It adds sockets to `thbridge.ros.remote`."""
+"""Fleet of real robots on a ROS graph, which is used as a team. It adds sockets to `RemoteTeam`."""
 
 import asyncio
 import logging
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Protocol, cast
+from typing import Protocol
 
 from sim.common.robot_numbers import robot_name
-from sim.inputs import TeamInput
-from sim.parameters import RobotParameters, WorldParameters
-from sim.team import TeamSnapshot
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
@@ -17,7 +14,7 @@ from thbridge.ros.messages import types
 from thbridge.ros.messages.cursor import Cursor
 from thbridge.ros.reconfigure import DescribedParameter
 from thbridge.ros.remote.clock import RosClock
-from thbridge.ros.remote.robot import RemoteRobot, missing_of
+from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.remote.team import RemoteTeam
 from thbridge.ros.topics import RosMessage
 from thbridge.rosgraph.sockets.fleet_parameters import FleetParameters
@@ -28,8 +25,6 @@ from thbridge.rosgraph.wire import links
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.warn_once import WarnOnce
 
-CALLER = "/thbridge_fleet"
-"""Name of the node. A simulated session on the same graph has another name."""
 TEAM_TOPICS = (names.TF, names.TF_STATIC, names.MAP, names.MAP_METADATA, names.ROSOUT, names.DIAGNOSTICS)
 """Recorded topics that do not belong to a single robot."""
 _log = logging.getLogger(__name__)
@@ -45,8 +40,8 @@ class TrafficRecorder(Protocol):
         """Record a message sent to a robot."""
 
 
-class Fleet:
-    """Team of real robots. It implements `thbridge.roles.simr.team.RobotTeam`.
+class Fleet(RemoteTeam):
+    """Team of real robots on a ROS 1 graph.
 
     Args:
         graph: address of their ROS graph.
@@ -65,20 +60,17 @@ class Fleet:
         wall: Callable[[], int] = time.time_ns,
     ) -> None:
         self._node = RosNode(
-            CALLER, graph.master_uri, graph.host, on_shutdown=self._asked_to_leave, admission=graph.admission
+            names.FLEET, graph.master_uri, graph.host, on_shutdown=self._asked_to_leave, admission=graph.admission
         )
-        self._team = RemoteTeam(robots, wall)
-        self._robots = self._team.robots
+        super().__init__(robots, offset, wall)
         self._recorder = recorder
-        self._wall = wall
         self._definitions = Definitions(ROS_SHARES)
         self._publications: dict[str, Publication] = {
             topic.name: self._advertise(topic.name, topic.msgtype)
-            for robot in self._robots
+            for robot in self.robots
             for topic in robot.publications
         }
-        self._parameters = FleetParameters(self._node, self._definitions, offset, self._correct_odometry)
-        self._correct_odometry(cast(float, offset.default))
+        FleetParameters(self._node, self._definitions, offset, self.correct_odometry)
         self._headers: dict[tuple[str, str], links.TopicHeader] = {}
         self._joining: asyncio.Task[None] | None = None
         self._complaints = WarnOnce(_log)
@@ -95,80 +87,26 @@ class Fleet:
         if self._joining is not None:
             self._joining.cancel()
             await asyncio.wait([self._joining])
-        self._team.stop()
-        for robot in self._robots:
-            self._speak(robot)
+        self._stop_robots()
         await self._node.stop()
 
     def missing(self) -> list[str]:
         """Return the reasons why the robots cannot be commanded yet. Each reason is one sentence."""
-        if self._team.clock is None:
+        if self.clock is None:
             return [f"there is no ROS master at {self._node.master_uri} yet"]
-        if not self._team.clock.runs:
+        if not self.clock.runs:
             return [f"{names.USE_SIM_TIME} is set, but there is no time on {names.CLOCK} yet"]
-        return missing_of(self._robots) or list(self._not_subscribed())
+        return super().missing() or list(self._not_subscribed())
 
     def _not_subscribed(self) -> Iterator[str]:
         """Yield a sentence for each robot that does not subscribe to its goals yet."""
-        for robot, remote in enumerate(self._robots):
+        for robot, remote in enumerate(self.robots):
             goal = remote.names.action("goal")
-            if all(connection.peer == CALLER for connection in self._publications[goal].connections()):
+            if all(connection.peer == names.FLEET for connection in self._publications[goal].connections()):
                 yield (
                     f"{robot_name(robot)} does not subscribe to {goal} yet: its machine must be able to reach this one "
                     f"at {self._node.host} (--ros-host)"
                 )
-
-    @property
-    def joined(self) -> bool:
-        """True after a master was found. If it is lost later, the node itself reports this."""
-        return self._team.clock is not None
-
-    def tell_changes(self) -> None:
-        """Log changes of the robots; see `RemoteTeam`."""
-        self._team.tell_changes()
-
-    def now(self) -> int | None:
-        """Return the ROS time in nanoseconds, or None while it is unknown."""
-        return self._team.now()
-
-    @property
-    def size(self) -> int:
-        """Number of robots."""
-        return len(self._robots)
-
-    @property
-    def parameters(self) -> tuple[RobotParameters, ...]:
-        """Empty, because real robots run their own software."""
-        return ()
-
-    @property
-    def worlds(self) -> tuple[WorldParameters, ...]:
-        """Empty, because the real world has no parameters."""
-        return ()
-
-    def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
-        """Carry out the inputs and return the current state of the robots. The tick is computed from ROS time.
-
-        Raises:
-            ValueError: the robots cannot be commanded yet. See `missing`.
-        """
-        now_ns = self.now()
-        if now_ns is None:
-            raise ValueError("the time is not known yet")
-        for item in inputs:
-            self._team.take(item, now_ns)
-        snapshot = self._team.snapshot(now_ns)
-        for robot in self._robots:
-            self._speak(robot)
-        if (config := self._parameters.take_unrecorded()) is not None:
-            self._recorder.sent(RosMessage(self._parameters.topic, now_ns, config))
-        if snapshot is None:
-            raise ValueError(f"not all robots are ready yet: {'; '.join(self.missing())}")
-        return snapshot
-
-    def _correct_odometry(self, seconds: float) -> None:
-        for robot in self._robots:
-            robot.stamp_odometry_later(round(seconds * 1e9))
 
     # The graph
 
@@ -178,13 +116,13 @@ class Fleet:
         # As for all ROS nodes, this parameter selects between the wall clock and the topic /clock.
         simulated = await self._node.get_param(names.USE_SIM_TIME) is True
         clock = RosClock(simulated)
-        self._team.clock = clock
+        self.clock = clock
         if simulated:
             self._follow_time(clock)
             while not clock.runs:
                 await asyncio.sleep(0.05)
         wanted: dict[str, list[RemoteRobot]] = {topic: [] for topic in TEAM_TOPICS}
-        for robot in self._robots:
+        for robot in self.robots:
             named = robot.names
             for topic in (*named.recorded, named.action("feedback"), named.action("cancel"), named.initialpose):
                 wanted.setdefault(topic, [])
@@ -214,10 +152,9 @@ class Fleet:
 
         def on_message(data: bytes, publisher: str) -> None:
             # Messages of this program are recorded when they are sent.
-            clock = self._team.clock
-            if publisher == CALLER or clock is None:
+            now_ns = self.now()
+            if publisher == names.FLEET or now_ns is None:
                 return
-            now_ns = clock.now(self._wall())
             header = self._headers[topic, publisher]
             self._recorder.received(header, publisher, now_ns, data)
             for robot, md5 in wanted.items():
@@ -231,11 +168,11 @@ class Fleet:
         definition = self._definitions.of(msgtype)
         return self._node.advertise(topic, msgtype, definition.md5, definition.text)
 
-    def _speak(self, robot: RemoteRobot) -> None:
-        messages, robot.outgoing = robot.outgoing, []
-        for message in messages:
-            self._publications[message.topic.name].publish(message.data)
-            self._recorder.sent(message)
+    def _send(self, robot: int, message: RosMessage) -> None:
+        self._publications[message.topic.name].publish(message.data)
+
+    def _record(self, message: RosMessage) -> None:
+        self._recorder.sent(message)
 
     def _asked_to_leave(self, reason: str) -> None:
         _log.error("the robots cannot be reached: this program must leave the ROS graph (%s)", reason)

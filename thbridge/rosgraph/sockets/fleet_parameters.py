@@ -27,10 +27,7 @@ class FleetParameters:
         node: node of the fleet.
         definitions: definitions of message types.
         offset: declaration of the parameter. Its default is the value at the start.
-        apply: called with each new value, seconds.
-
-    Attributes:
-        topic: topic of dynamic_reconfigure, with a message for each change.
+        apply: called with each value that is published, seconds.
     """
 
     def __init__(
@@ -41,13 +38,12 @@ class FleetParameters:
         self._key = f"{node.name}/{offset.name}"
         self._apply = apply
         self._seconds = cast(float, offset.default)
-        self._unrecorded: bytes | None = None
-        self.topic = Topic(f"{node.name}/parameter_updates", types.CONFIG, latched=True)
+        updates = Topic(f"{node.name}/parameter_updates", types.CONFIG, latched=True)
         described = Topic(f"{node.name}/parameter_descriptions", types.CONFIG_DESCRIPTION, latched=True)
-        texts = [definitions.of(topic.msgtype) for topic in (self.topic, described)]
+        texts = [definitions.of(topic.msgtype) for topic in (updates, described)]
         self._updates, descriptions = (
             node.advertise(topic.name, topic.msgtype, text.md5, text.text, topic.latched)
-            for topic, text in zip((self.topic, described), texts, strict=True)
+            for topic, text in zip((updates, described), texts, strict=True)
         )
         descriptions.publish(reconfigure.description(self._server))
         known = service_type(types.RECONFIGURE)
@@ -56,16 +52,11 @@ class FleetParameters:
         node.subscribe_param(node.name, self._set)
         self._publish()
 
-    def take_unrecorded(self) -> bytes | None:
-        """Return the message on `topic` that is not recorded yet, or None. Each message is returned once."""
-        config, self._unrecorded = self._unrecorded, None
-        return config
-
     def _publish(self) -> bytes:
         config = reconfigure.values_config([(self._server.parameters[0], self._seconds)])
         self._node.declare_param(self._key, self._seconds)
         self._updates.publish(config)
-        self._unrecorded = config
+        self._apply(self._seconds)
         return config
 
     def _reconfigure(self, data: bytes) -> bytes | ServiceFailed:
@@ -93,5 +84,4 @@ class FleetParameters:
             _log.warning("%s keeps its value: it must be a number from %g to %g, not %r", self._key, least, most, value)
         elif number != self._seconds:
             self._seconds = number
-            self._apply(number)
             _log.warning("%s is %g s now", self._key, number)

@@ -32,7 +32,7 @@ from thbridge.ros.remote.names import RemoteNames
 from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.topics import RosMessage, Topic
 from thbridge.rosgraph.files.real_robots import FleetRecorder
-from thbridge.rosgraph.sockets.fleet import CALLER, Fleet
+from thbridge.rosgraph.sockets.fleet import Fleet
 from thbridge.rosgraph.sockets.http_client import XmlRpcClient
 from thbridge.rosgraph.sockets.joining import GraphAddress
 from thbridge.rosgraph.sockets.master_server import MasterServer
@@ -87,7 +87,7 @@ class Actor:
             self.node.subscribe(named.action(part), kind, types.plain_definition(kind).md5, heard)
 
     def _goal(self, data: bytes, publisher: str) -> None:
-        assert publisher == CALLER
+        assert publisher == names.FLEET
         self.goals.append(unpack.move_base_goal(data).goal_id)
         self.listed = [GoalStatus(GoalId(self.goals[-1], 0), GoalStatusCode.ACTIVE, "")]
 
@@ -168,7 +168,7 @@ async def alive(actor: Actor) -> AsyncIterator[Actor]:
 @asynccontextmanager
 async def fleet_at(uri: str, recorder: object, wall: Callable[[], int] = time.time_ns) -> AsyncIterator[Fleet]:
     (offset,) = live_parameters(FleetSection)
-    robots = [RemoteRobot(0, NAMED, CALLER, np.zeros((0, 2)))]
+    robots = [RemoteRobot(0, NAMED, names.FLEET, np.zeros((0, 2)))]
     fleet = Fleet(GraphAddress(uri), robots, recorder, described(offset), wall)
     assert isinstance(await fleet.start(), NodeStarted)
     try:
@@ -226,7 +226,7 @@ async def test_goals_reach_the_robot_and_their_ends_come_back():
         await eventually(lambda: len(actor.goals) == 3)
         assert await ended(fleet, SendGoal(0, Goal(6, Pose2(0, 0, 0)))) == Cancelled(GOAL)
         assert notes.went.count("/robot1/move_base/goal") == 4
-        assert ("/robot1/move_base/goal", CALLER) not in notes.came
+        assert ("/robot1/move_base/goal", names.FLEET) not in notes.came
         assert ("/robot1/odom", "/robot") in notes.came
 
 
@@ -364,7 +364,7 @@ async def test_time_is_simulated_where_the_graph_says_so_and_it_is_told_when_tha
         await clock.stop()
 
 
-OFFSET = f"{CALLER}/odom_time_offset"
+OFFSET = f"{names.FLEET}/odom_time_offset"
 
 
 @with_patience
@@ -381,7 +381,7 @@ async def test_the_time_offset_of_odometry_changes_on_the_parameter_server_and_b
             await asyncio.sleep(0.01)
         while await on_server() != seconds:
             await asyncio.sleep(0.01)
-        assert notes.messages[-1].topic == Topic(f"{CALLER}/parameter_updates", types.CONFIG, latched=True)
+        assert notes.messages[-1].topic == Topic(f"{names.FLEET}/parameter_updates", types.CONFIG, latched=True)
         assert notes.messages[-1].data == values_config([(offset, seconds)])
 
     async def set_on_server(value: object) -> None:
@@ -389,7 +389,7 @@ async def test_the_time_offset_of_odometry_changes_on_the_parameter_server_and_b
 
     async def set_by_reconfigure(seconds: float) -> bytes | ServiceFailed:
         md5 = types.service_type(types.RECONFIGURE).md5
-        return await call_service(ros.uri, f"{CALLER}/set_parameters", md5, values_config([(offset, seconds)]))
+        return await call_service(ros.uri, f"{names.FLEET}/set_parameters", md5, values_config([(offset, seconds)]))
 
     async with master() as ros, alive(Actor(ros.uri, speed=1.0)), fleet_at(ros.uri, notes) as fleet:
         await eventually(lambda: not fleet.missing())
@@ -417,7 +417,7 @@ async def test_the_time_offset_of_odometry_changes_on_the_parameter_server_and_b
 @with_patience
 async def test_a_bag_holds_what_robots_said_as_they_said_it_after_the_session(tmp_path: Path):
     path = tmp_path / "real.bag"
-    with BagWriter(path, caller=CALLER) as writer:
+    with BagWriter(path, caller=names.FLEET) as writer:
         recorder = FleetRecorder(writer, SESSION)
         async with master() as ros, alive(Actor(ros.uri)) as actor:
             async with fleet_at(ros.uri, recorder) as fleet:
@@ -441,6 +441,6 @@ async def test_a_bag_holds_what_robots_said_as_they_said_it_after_the_session(tm
         (latched,) = (each.ext.latching for each in reader.connections if each.topic == names.SESSION)
     assert latched == 1
     assert said_by[NAMED.odom] == said_by[names.TF_STATIC] == "/robot"
-    assert said_by[NAMED.action("goal")] == said_by[names.INPUTS] == said_by[names.SEND_ROBOTS] == CALLER
+    assert said_by[NAMED.action("goal")] == said_by[names.INPUTS] == said_by[names.SEND_ROBOTS] == names.FLEET
     (frames,) = (message.data for message in told if message.topic == names.TF_STATIC)
     assert frames == static
