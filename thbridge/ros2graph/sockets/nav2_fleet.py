@@ -44,8 +44,6 @@ STOP_SECONDS = 1.0
 
 _STREAM = QosProfile(10, DeliveryReliability.BEST_EFFORT)
 """Publishers with any quality of service satisfy this."""
-_LOG_LEVELS = {10: 1, 20: 2, 30: 4, 40: 8, 50: 16}
-"""Severities of rcl_interfaces/Log, and those of rosgraph_msgs/Log."""
 _TIME = struct.Struct("<iI")
 
 _log = logging.getLogger(__name__)
@@ -287,8 +285,6 @@ class Nav2Fleet(RemoteTeam):
                 message = convert(data)
                 if subscription.kind == TWIST_STAMPED:
                     message = Cursor.behind_header(message).remaining()
-                elif ros1_type == types.LOG:
-                    message = _with_level_of_ros1(message)
             except ValueError as error:
                 self._complaints.warn(f"{name}: a message of {publisher} is ignored: {error}")
                 return
@@ -331,10 +327,3 @@ class Nav2Fleet(RemoteTeam):
             return
         seconds, nanoseconds = _TIME.unpack_from(data, 4)
         clock.receive(seconds * 1_000_000_000 + nanoseconds, self._wall())
-
-
-def _with_level_of_ros1(log: bytes) -> bytes:
-    """Return a rosgraph_msgs/Log with the severity of ROS 1 in the place of that of ROS 2."""
-    rest = Cursor.behind_header(log).remaining()
-    at = len(log) - len(rest)
-    return log[:at] + bytes([_LOG_LEVELS.get(log[at], 2)]) + log[at + 1 :]

@@ -19,6 +19,7 @@ from tests.support.ros2.driven_robot import DrivenRobot
 from tests.support.ros2.loopback import LoopbackGraph
 from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.pack import Transform
+from thbridge.ros.messages.records import LogLevel
 from thbridge.ros.reconfigure import described, values_config
 from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.topics import RosMessage, Topic
@@ -27,7 +28,7 @@ from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.nav2_goals import Nav2Goals
 from thbridge.ros2.navigate_to_pose import NAVIGATE_TO_POSE
 from thbridge.ros2.parameters import Value, kind_of
-from thbridge.ros2.qos import DEFAULT, LATCHED, SENSOR_DATA, TF, QosProfile
+from thbridge.ros2.qos import DEFAULT, LATCHED, ROSOUT, SENSOR_DATA, TF, QosProfile
 from thbridge.ros2.topics import type_of_ros1
 from thbridge.ros2graph.sockets.action_server import GraphActionServer
 from thbridge.ros2graph.sockets.joining import NodeTaken
@@ -280,6 +281,16 @@ def test_all_messages_are_recorded(name: str, caplog: pytest.LogCaptureFixture) 
     (end,) = [message for message in lab.recorder.went if message.topic.name == f"{action}/result"]
     assert unpack.move_base_result(end.data).status == 3
     assert "/map: /robot1/driver publishes std_msgs/msg/String, but nav_msgs/msg/Occ" in caplog.text
+
+
+def test_logs_are_recorded_with_their_levels_of_ros1(lab: Lab) -> None:
+    kind = type_of_ros1(types.LOG)
+    writer = lab.program.publish(NodeName("/robot1", "amcl"), "/rosout", lab.kind.message(kind), ROSOUT)
+    for level in (10, 20, 30, 40, 50):
+        writer.write(lab.kind.encode(kind, lab.kind.make(kind, level=level)))
+    lab.step()
+    logs = [data for topic, _, data in lab.recorder.came if topic == Topic("/rosout", types.LOG)]
+    assert [unpack.log(data).level for data in logs] == [*LogLevel]
 
 
 def test_odometry_that_jumps_is_reported(lab: Lab, caplog: pytest.LogCaptureFixture) -> None:
