@@ -26,6 +26,7 @@ from thbridge.ros2.qos import DEFAULT, LATCHED, ROSOUT, SENSOR_DATA, TF, QosProf
 SESSION_NODE = "/thbridge"
 PARTICLE_CLOUD = "nav2_msgs/msg/ParticleCloud"
 TWIST, TWIST_STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
+_TWIST_STAMPED_OF_ROS1 = "geometry_msgs/TwistStamped"
 
 Convert: TypeAlias = Callable[[RosMessage], bytes]
 """Function that returns a message of ROS 1 in CDR."""
@@ -111,7 +112,7 @@ class SessionTopics:
             yield self._target_of_robot(topic, *within)
             return
         kind = type_of_ros1(topic.msgtype)
-        convert = self._converter(topic.msgtype, kind)
+        convert = converter_from_ros1(self._distribution, topic.msgtype, kind)
         qos = {names.TF: TF, names.ROSOUT: ROSOUT}.get(topic.name, LATCHED if topic.latched else DEFAULT)
         yield Ros2Topic(topic.name, kind, qos), convert
         for robot in self._robots:
@@ -140,16 +141,10 @@ class SessionTopics:
     def _kind_of(self, topic: Topic, word: str) -> tuple[str, Convert]:
         if word == "particlecloud":
             return PARTICLE_CLOUD, _particle_cloud
-        if word == "cmd_vel" and self._distribution.name != "jazzy":
-            # Since Kilted, Nav2's velocity commands have a time stamp.
-            convert = self._distribution.from_ros1("geometry_msgs/TwistStamped", TWIST_STAMPED)
-            return TWIST_STAMPED, partial(stamped_twist, convert)
         kind = type_of_ros1(topic.msgtype)
-        return kind, self._converter(topic.msgtype, kind)
-
-    def _converter(self, ros1_type: str, kind: str) -> Convert:
-        convert = self._distribution.from_ros1(ros1_type, kind)
-        return lambda message: convert(message.data)
+        if word == "cmd_vel" and self._distribution.name != "jazzy":
+            kind = TWIST_STAMPED  # Since Kilted, Nav2's velocity commands have a time stamp.
+        return kind, converter_from_ros1(self._distribution, topic.msgtype, kind)
 
 
 def type_of_ros1(ros1_type: str) -> str:
@@ -158,6 +153,22 @@ def type_of_ros1(ros1_type: str) -> str:
         return "rcl_interfaces/msg/Log"
     package, _, name = ros1_type.partition("/")
     return f"{package}/msg/{name}"
+
+
+def converter_from_ros1(distribution: Distribution, ros1_type: str, kind: str) -> Convert:
+    """Return the function that converts messages of a topic. A velocity gets its time stamp if `kind` has one."""
+    if (ros1_type, kind) == (types.TWIST, TWIST_STAMPED):
+        return partial(_stamped_twist, distribution.from_ros1(_TWIST_STAMPED_OF_ROS1, TWIST_STAMPED))
+    convert = distribution.from_ros1(ros1_type, kind)
+    return lambda message: convert(message.data)
+
+
+def converter_to_ros1(distribution: Distribution, kind: str, ros1_type: str) -> Callable[[bytes], bytes]:
+    """Return the function of the opposite direction. It raises ValueError for bytes that are not a message."""
+    if (ros1_type, kind) == (types.TWIST, TWIST_STAMPED):
+        convert = distribution.to_ros1(TWIST_STAMPED, _TWIST_STAMPED_OF_ROS1)
+        return lambda data: Cursor.behind_header(convert(data)).remaining()
+    return distribution.to_ros1(kind, ros1_type)
 
 
 def _transforms_of(convert: Convert, prefix: str, message: RosMessage) -> bytes:
@@ -170,7 +181,7 @@ def _transforms_of(convert: Convert, prefix: str, message: RosMessage) -> bytes:
     return convert(message._replace(data=pack.stamped_transforms(pieces)))
 
 
-def stamped_twist(convert: Callable[[bytes], bytes], message: RosMessage) -> bytes:
+def _stamped_twist(convert: Callable[[bytes], bytes], message: RosMessage) -> bytes:
     """Return a velocity command with its time stamp; `convert` makes CDR of geometry_msgs/TwistStamped."""
     seconds, nanoseconds = divmod(message.stamp_ns, 1_000_000_000)
     header = UINT32.pack(0) + UINT32.pack(seconds) + UINT32.pack(nanoseconds) + UINT32.pack(0)

@@ -23,7 +23,6 @@ from thbridge.roles.shared.robot_requests import Request
 from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types, unpack
-from thbridge.ros.messages.cursor import Cursor
 from thbridge.ros.names import CALLER, RobotNames
 from thbridge.ros.publisher import clock_message
 from thbridge.ros.topics import RosMessage, VehicleTopics
@@ -32,7 +31,7 @@ from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.follow_waypoints import FOLLOW_WAYPOINTS, FollowWaypointsServer
 from thbridge.ros2.navigate_to_pose import NAVIGATE_TO_POSE, NavigateToPoseServer
 from thbridge.ros2.qos import DEFAULT, Durability
-from thbridge.ros2.topics import TWIST, TWIST_STAMPED, Convert, Ros2Topic, SessionTopics
+from thbridge.ros2.topics import TWIST, TWIST_STAMPED, Convert, Ros2Topic, SessionTopics, converter_to_ros1
 from thbridge.ros2graph.sockets.action_server import GraphActionServer
 from thbridge.ros2graph.sockets.carrier import GraphCarrier, GraphWriter
 from thbridge.ros2graph.sockets.joining import carrier_of, find_nodes
@@ -209,20 +208,16 @@ class LiveRos2Graph:
             node = self._nodes[named.topic("bt_navigator")]
             goal = self._reader(_POSE_STAMPED, types.POSE_STAMPED, partial(read.simple_goal, robot))
             self._subscribe(node, named.topic("goal_pose"), _POSE_STAMPED, goal)
-        velocity = partial(read.velocity, robot)
         # Drivers of robots have one of these types. A session accepts both.
-        for kind, source, reader in (
-            (TWIST, types.TWIST, velocity),
-            (TWIST_STAMPED, "geometry_msgs/TwistStamped", partial(_after_header, velocity)),
-        ):
-            command = self._reader(kind, source, reader)
+        for kind in (TWIST, TWIST_STAMPED):
+            command = self._reader(kind, types.TWIST, partial(read.velocity, robot))
             self._subscribe(self._nodes[CALLER], named.topic("cmd_vel"), kind, command)
 
     def _reader(
         self, kind: str, ros1_type: str, read: Callable[[bytes], Request | InvalidMessage]
     ) -> Callable[[bytes], Request | InvalidMessage]:
         """Return a reader of clients' messages of ROS 2, given the reader of the same messages of ROS 1."""
-        convert = self._distribution.to_ros1(kind, ros1_type)
+        convert = converter_to_ros1(self._distribution, kind, ros1_type)
 
         def read_cdr(data: bytes) -> Request | InvalidMessage:
             try:
@@ -370,8 +365,3 @@ def _make_plan(team: Team, robot: int, start: Pose2 | None, goal: Pose2) -> Floa
         "global_planner/GlobalPlanner": own.GlobalPlanner.default_tolerance,
     }
     return team.make_plan(robot, start, goal, tolerances.get(own.move_base.base_global_planner, 0.0))
-
-
-def _after_header(read: Callable[[bytes], Request | InvalidMessage], data: bytes) -> Request | InvalidMessage:
-    """Read the part of a message after its header."""
-    return read(Cursor.behind_header(data).remaining())

@@ -4,7 +4,7 @@ import asyncio
 import logging
 import struct
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Protocol
@@ -12,7 +12,6 @@ from typing import Protocol
 from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types
-from thbridge.ros.messages.cursor import Cursor
 from thbridge.ros.reconfigure import DescribedParameter
 from thbridge.ros.remote.clock import RosClock
 from thbridge.ros.remote.names import Nav2Names
@@ -25,9 +24,9 @@ from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.nav2_goals import Nav2Cancel, Nav2Goal, Nav2Goals
 from thbridge.ros2.navigate_to_pose import NAVIGATE_TO_POSE
 from thbridge.ros2.qos import DEFAULT, LATCHED, TF, DeliveryReliability, QosProfile
-from thbridge.ros2.topics import TWIST, TWIST_STAMPED, stamped_twist, type_of_ros1
+from thbridge.ros2.topics import TWIST, TWIST_STAMPED, converter_from_ros1, converter_to_ros1, type_of_ros1
 from thbridge.ros2graph.sockets.action_client import GraphActionClient
-from thbridge.ros2graph.sockets.carrier import GraphCarrier, GraphWriter
+from thbridge.ros2graph.sockets.carrier import GraphCarrier
 from thbridge.ros2graph.sockets.joining import NodeTaken, find_nodes
 from thbridge.ros2graph.sockets.nav2_fleet_parameters import Nav2FleetParameters
 from thbridge.ros2graph.values.graph import EndpointRole, NodeName
@@ -72,6 +71,11 @@ class Nav2Robot:
     remote: RemoteRobot
     named: Nav2Names
     goals: Nav2Goals
+
+    @property
+    def velocity_type(self) -> str:
+        """Type of the commands to its base."""
+        return TWIST_STAMPED if self.named.is_twist_stamped else TWIST
 
 
 @dataclass(slots=True, eq=False)
@@ -137,7 +141,14 @@ class Nav2Fleet(RemoteTeam):
             support = distribution.message("rosgraph_msgs/msg/Clock")
             carrier.subscribe(NODE, names.CLOCK, support, _STREAM, partial(self._receive_clock, clock))
         self._clients = [self._client(robot) for robot in self._robots]
-        self._writers = {topic: writer for robot in self._robots for topic, writer in self._writers_of(robot)}
+        self._writers: dict[str, Callable[[RosMessage], None]] = {}
+        for robot in self._robots:
+            topics = robot.remote.names
+            for topic, ros1_type, kind in (
+                (topics.initialpose, types.POSE_WITH_COVARIANCE, type_of_ros1(types.POSE_WITH_COVARIANCE)),
+                (topics.cmd_vel, types.TWIST, robot.velocity_type),
+            ):
+                self._writers[topic] = self._writer(topic, ros1_type, kind)
         self._subscribed: dict[str, _Subscription] = {}
         for robot in self._robots:
             for name, kind in robot.remote.subscriptions.items():
@@ -220,8 +231,7 @@ class Nav2Fleet(RemoteTeam):
                 self._waiting_cancels += 1
                 client.cancel(GoalInfo(goal_id, 0), self._canceled)
             case None:
-                writer, convert = self._writers[message.topic.name]
-                writer.write(convert(message))
+                self._writers[message.topic.name](message)
 
     def _record(self, message: RosMessage) -> None:
         # ROS 2 itself uses names with "_action".
@@ -238,26 +248,11 @@ class Nav2Fleet(RemoteTeam):
 
     # Topics
 
-    def _writers_of(self, robot: Nav2Robot) -> Iterator[tuple[str, tuple[GraphWriter, Callable[[RosMessage], bytes]]]]:
-        named = robot.remote.names
-        publish, types_of = self._carrier.publish, self._distribution
-        estimate = type_of_ros1(types.POSE_WITH_COVARIANCE)
-        plain = types_of.from_ros1(types.POSE_WITH_COVARIANCE, estimate)
-        yield (
-            named.initialpose,
-            (
-                publish(NODE, named.initialpose, types_of.message(estimate), DEFAULT),
-                lambda message: plain(message.data),
-            ),
-        )
-        if robot.named.is_twist_stamped:
-            stamped = types_of.from_ros1("geometry_msgs/TwistStamped", TWIST_STAMPED)
-            convert = partial(stamped_twist, stamped)
-            yield named.cmd_vel, (publish(NODE, named.cmd_vel, types_of.message(TWIST_STAMPED), DEFAULT), convert)
-        else:
-            twist = types_of.from_ros1(types.TWIST, TWIST)
-            writer = publish(NODE, named.cmd_vel, types_of.message(TWIST), DEFAULT)
-            yield named.cmd_vel, (writer, lambda message: twist(message.data))
+    def _writer(self, topic: str, ros1_type: str, kind: str) -> Callable[[RosMessage], None]:
+        """Return a function that publishes messages of ROS 1 on a topic."""
+        writer = self._carrier.publish(NODE, topic, self._distribution.message(kind), DEFAULT)
+        convert = converter_from_ros1(self._distribution, ros1_type, kind)
+        return lambda message: writer.write(convert(message))
 
     def _add_receiver(self, robot: Nav2Robot, name: str, ros1_type: str) -> None:
         remote, named = robot.remote, robot.named
@@ -265,16 +260,13 @@ class Nav2Fleet(RemoteTeam):
             return  # These messages are made from the action.
         on_graph = {names.TF: named.tf, names.TF_STATIC: named.tf_static}.get(name, name)
         topic = Topic(on_graph, ros1_type, latched=name == names.TF_STATIC)
-        kind = type_of_ros1(ros1_type)
-        if name == remote.names.cmd_vel and named.is_twist_stamped:
-            kind = TWIST_STAMPED
+        kind = robot.velocity_type if name == remote.names.cmd_vel else type_of_ros1(ros1_type)
         subscription = self._subscribed.setdefault(on_graph, _Subscription(topic, kind))
         subscription.receivers.append((remote, name))
 
     def _subscribe(self, subscription: _Subscription) -> None:
         name, ros1_type, _ = subscription.topic
-        of_ros1 = "geometry_msgs/TwistStamped" if subscription.kind == TWIST_STAMPED else ros1_type
-        convert = self._distribution.to_ros1(subscription.kind, of_ros1)
+        convert = converter_to_ros1(self._distribution, subscription.kind, ros1_type)
 
         def on_message(data: bytes, gid: bytes) -> None:
             now_ns = self.now()
@@ -283,8 +275,6 @@ class Nav2Fleet(RemoteTeam):
             publisher = self._carrier.node_of(gid)
             try:
                 message = convert(data)
-                if subscription.kind == TWIST_STAMPED:
-                    message = Cursor.behind_header(message).remaining()
             except ValueError as error:
                 self._complaints.warn(f"{name}: a message of {publisher} is ignored: {error}")
                 return
