@@ -1,11 +1,12 @@
 """From simulation to hardware: one process has robots on a ROS graph, the programs of the game command them there."""
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
-from tests.support.programs.ports import free_port
+from tests.support.programs.ports import free_domain, free_port
 from tests.support.programs.processes import Program, journal, kinds, port_of, until
 from thbridge.recording.bag.reading import reader as bag_reader
 from thbridge.ros import names
@@ -14,30 +15,65 @@ from thbridge.ros.messages import types, unpack
 pytestmark = pytest.mark.slow
 
 
-def test_a_whole_hunt_with_robots_of_another_process(tmp_path: Path):
-    uri = f"http://127.0.0.1:{free_port()}"
+@dataclass(frozen=True, slots=True)
+class Graph:
+    """A ROS graph.
+
+    Attributes:
+        study: keys of the study with real robots.
+        simulated: arguments of the program with simulated robots.
+        real: arguments of the program that commands them.
+        joined: text of the first program when its robots are on the graph.
+        action: name of the robots' action.
+    """
+
+    study: str
+    simulated: tuple[str, ...]
+    real: tuple[str, ...]
+    joined: str
+    action: str
+
+
+def ros1() -> Graph:
+    master = "--ros-master", f"http://127.0.0.1:{free_port()}"
+    return Graph("robots_from: ros", ("--ros", *master), master, "this program is the master", "move_base")
+
+
+def ros2(more: str = "") -> Graph:
+    domain = free_domain()
+    study = f"robots_from: ros2\nros2: {{domain: {domain}, use_sim_time: true{more}}}"
+    return Graph(study, ("--ros2",), (), f"ROS 2: Jazzy in domain {domain}", "navigate_to_pose")
+
+
+@pytest.mark.parametrize("carrier", ["ros", "dds", "zenoh"])
+def test_a_whole_hunt_with_robots_of_another_process(carrier: str, tmp_path: Path) -> None:
     bag = tmp_path / "real.bag"
-    (tmp_path / "study.yaml").write_text("robots_from: ros\nrobots: 2\n")
-    field = Program(tmp_path, "simr", "--ros", "--ros-master", uri, "--rate", "3", "--server", "127.0.0.1:9")
-    server = Program(tmp_path, "server", "--port", "0")
-    programs = [field, server]
+    programs: list[Program] = []
+
+    def start(*arguments: str) -> Program:
+        programs.append(Program(tmp_path, *arguments))
+        return programs[-1]
+
     try:
+        if carrier == "zenoh":
+            router = start("ros2", "router", "--listen", f"127.0.0.1:{free_port()}")
+            graph = ros2(f", carrier: zenoh, router: '127.0.0.1:{port_of(router, programs)}'")
+        else:
+            graph = ros1() if carrier == "ros" else ros2()
+        (tmp_path / "study.yaml").write_text(f"robots: 2\n{graph.study}\n")
+        simulated = ("--robots-from", "sim", *graph.simulated, "--rate", "3", "--server", "127.0.0.1:9")
+        field, server = start("simr", "study.yaml", *simulated), start("server", "--port", "0")
         at = f"127.0.0.1:{port_of(server, programs)}"
-        until("the robots to be on the graph", lambda: "this program is the master" in field.text, programs)
-        simr = Program(
-            tmp_path, "simr", "--study", "study.yaml", "--ros-master", uri, "--server", at, "--bag", str(bag)
-        )
-        programs.append(simr)
+        until("the robots to be on the graph", lambda: graph.joined in field.text, programs)
+        simr = start("simr", "--study", "study.yaml", *graph.real, "--server", at, "--bag", str(bag))
         until("all robots to be found", lambda: "All robots have been found" in simr.text, programs)
-        programs.append(Program(tmp_path, "hider", "--server", at))
-        player = Program(tmp_path, "tabui", "--server", at, "--json")
-        programs.append(player)
+        start("hider", "--server", at)
+        player = start("tabui", "--server", at, "--json")
         until("the game to be over", lambda: player.process.poll() is not None, programs, 280.0)
         assert json.loads(player.text.splitlines()[-1])["rooms_visited"] == 8
         assert "reported" not in kinds(tmp_path)
         assert simr.stop() == 0
-        replay = Program(tmp_path, "replay", str(bag))
-        programs.append(replay)
+        replay = start("replay", str(bag))
         assert replay.process.wait(60) == 2
         assert "its robots were real" in replay.text
     finally:
@@ -48,12 +84,12 @@ def test_a_whole_hunt_with_robots_of_another_process(tmp_path: Path):
     assert "/robot1/base_pose_ground_truth" not in recorded
     assert names.CLOCK not in recorded
     arrived = [event for event in journal(tmp_path) if event["event"] == "arrived"]
-    ends = list(bag_reader.messages(bag, ["/robot1/move_base/result", "/robot2/move_base/result"]))
+    ends = list(bag_reader.messages(bag, [f"/robot{number}/{graph.action}/result" for number in (1, 2)]))
     assert len(arrived) == 8
     assert [unpack.move_base_result(end.data).status for end in ends] == [3] * 8
     first = next(bag_reader.messages(bag))
     assert (first.topic, first.msgtype) == (names.SESSION, types.SESSION)
-    assert "robots_from: ros" in unpack.session(first.data).study
+    assert graph.study.splitlines()[0] in unpack.session(first.data).study
 
 
 def test_real_robots_are_recorded_from_the_yes_on_with_what_is_latched(tmp_path: Path):
