@@ -24,7 +24,6 @@ from thbridge.app import listeners, play
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.recording import build_publisher
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.live_graph import live_ros2
 from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.ros.topics import CLOCK
@@ -193,13 +192,7 @@ def hunt(monkeypatch: pytest.MonkeyPatch, graph: GraphAddress | None, ros2: Ros2
             super().__init__(*arguments)
             made.append(self)
 
-    class KeptRos2(live_ros2.LiveRos2Graph):
-        def __init__(self, *arguments) -> None:
-            super().__init__(*arguments)
-            made.append(self)
-
     monkeypatch.setattr(listeners, "LiveGraph", Kept)
-    monkeypatch.setattr(live_ros2, "LiveRos2Graph", KeptRos2)
 
     def progress(moment) -> None:
         if moment.tick >= WARM_UP * 50:

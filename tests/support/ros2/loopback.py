@@ -27,7 +27,6 @@ class LoopbackWriter:
     qos: QosProfile
     gid: bytes
     kept: list[bytes] = field(default_factory=list)
-    dropped: int = 0
 
     def matched(self) -> list[_Reader]:
         return [

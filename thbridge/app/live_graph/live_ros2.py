@@ -163,11 +163,6 @@ class LiveRos2Graph:
         """Leave the graph."""
         await self._carrier.stop()
 
-    @property
-    def dropped(self) -> int:
-        """Number of messages that slow subscribers did not get."""
-        return sum(topic.writer.dropped for topic in self._topics)
-
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
         """Publish the messages of one tick; the clock is the first message."""
         self._requests.advance(tick)

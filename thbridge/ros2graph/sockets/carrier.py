@@ -26,10 +26,6 @@ class GraphWriter(Protocol):
     def readers(self) -> int:
         """Number of matched subscriptions of other programs."""
 
-    @property
-    def dropped(self) -> int:
-        """Number of messages that slow subscribers did not get."""
-
     def write(self, message: bytes) -> None:
         """Send a message to all matched subscriptions. This never waits."""
 

@@ -59,11 +59,6 @@ class ZenohWriter:
         """Number of matched subscriptions of other programs."""
         return self._count()
 
-    @property
-    def dropped(self) -> int:
-        """Number of messages that newer ones replaced before zenoh could send them."""
-        return self._pending.dropped
-
     def write(self, message: bytes) -> None:
         """Send a message to all matched subscriptions. This never waits."""
         self._number += 1

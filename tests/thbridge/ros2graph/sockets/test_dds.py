@@ -54,7 +54,6 @@ def test_messages_of_all_sizes_arrive() -> None:
             writer.write(message)
         await until(lambda: len(got) == len(sent))
         assert got == [(message, "/robot1/first") for message in sent]
-        assert writer.dropped == 0
 
     run_with(test)
 

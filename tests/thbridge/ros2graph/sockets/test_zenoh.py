@@ -46,7 +46,7 @@ def test_messages_arrive_in_order_with_their_publisher():
             assert [message for message, _ in got] == [bytes([number]) for number in range(5)]
             assert {there.node_of(gid) for _, gid in got} == {"/robot1/amcl"}
             assert there.node_of(bytes(16)) == "00" * 16
-            assert (own, writer.readers, writer.dropped) == ([], 1, 0)
+            assert (own, writer.readers) == ([], 1)
 
     run(scenario)
 
@@ -248,7 +248,6 @@ def test_a_flood_while_the_loop_is_busy_keeps_the_last_messages(caplog, monkeypa
             there.subscribe(OTHER, "/end", STRING, DEFAULT, lambda message, gid: None)
             writer = here.publish(NODE, TOPIC, STRING, QosProfile(5000))
             await until(lambda: writer.readers)
-            sent = here.publish(NODE, "/other", STRING, DEFAULT)
             for number in range(2000):
                 writer.write(b"%d" % number)
             here._link.call(lambda session: flooded.set())
@@ -256,7 +255,6 @@ def test_a_flood_while_the_loop_is_busy_keeps_the_last_messages(caplog, monkeypa
             await until(lambda: b"1999" in got)
             assert len(got) < 2000
             assert got == sorted(got, key=int)
-            assert (writer.dropped, sent.dropped) == (0, 0)
 
     run(scenario)
     assert [each.name for each in caplog.records].count("flooded") == 1

@@ -255,11 +255,6 @@ class DdsWriter:
         """Number of matched subscriptions of other programs."""
         return len(self._writer.readers)
 
-    @property
-    def dropped(self) -> int:
-        """Number of messages that reliable subscribers had not acknowledged when their place was needed."""
-        return self._writer.dropped
-
     def write(self, message: bytes) -> None:
         """Send a message to all matched subscriptions."""
         self._graph.write(self._writer, message)

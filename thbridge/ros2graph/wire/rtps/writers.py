@@ -73,7 +73,6 @@ class RtpsWriter:
     """Writer of one topic.
 
     Attributes:
-        dropped: number of samples that reliable readers had not acknowledged when their place was needed.
         returned: number of times that a reader has lost us, and has found us again.
 
     Args:
@@ -90,7 +89,6 @@ class RtpsWriter:
         self.guid = guid
         self.id = guid[-4:]
         self.qos = qos
-        self.dropped = 0
         self.returned = 0
         self._depth = _UNBOUNDED if keep_all else qos.depth
         self._outbox = outbox
@@ -162,7 +160,7 @@ class RtpsWriter:
         if self.qos.reliability == DeliveryReliability.RELIABLE:
             self._history[sequence] = _Kept(pieces, stamp_ns, only)
             if len(self._history) > self._depth:
-                self._evict(next(iter(self._history)))
+                del self._history[next(iter(self._history))]
         for destination, reliable in self._routes:
             if only is not None and destination.prefix not in only:
                 pieces_here: Sequence[bytes] = (encode_gap(UNKNOWN, self.id, (sequence,)),)
@@ -275,13 +273,6 @@ class RtpsWriter:
     def _is_nearly_full(self) -> bool:
         slowest = min(reader.acknowledged for reader in self._readers.values() if reader.reliable)
         return 2 * (self._last - slowest) >= self._depth
-
-    def _evict(self, sequence: int) -> None:
-        del self._history[sequence]
-        lacking = [
-            each for each in self._readers.values() if each.reliable and each.acknowledged < sequence >= each.start
-        ]
-        self.dropped += len(lacking)
 
     def _route(self) -> None:
         """Find the destinations of live samples: one for each participant, not for each reader."""

@@ -36,9 +36,11 @@ class RtpsNetwork:
         self._at.update(dict.fromkeys(addresses, participant))
         return participant
 
-    def leave(self, participant: RtpsParticipant) -> None:
-        """Disconnect a participant, as if its program was killed."""
+    def leave(self, participant: RtpsParticipant) -> Callable[[], None]:
+        """Disconnect a participant, as if its program was killed. Return a function that connects it again."""
+        gone = {address: each for address, each in self._at.items() if each is participant}
         self._at = {address: each for address, each in self._at.items() if each is not participant}
+        return lambda: self._at.update(gone)
 
     def run(self, until: Callable[[], bool], ticks: int = 4000) -> None:
         """Let time pass until something has happened."""
