@@ -117,7 +117,7 @@ def costmap_answer(types: Distribution, look: Look) -> Callable[[bytes], bytes]:
         )
         costs = now.costs.ravel()
         costmap = types.make("nav2_msgs/msg/Costmap", header=corner.header, metadata=metadata, data=costs)
-        return types.encode(name, types.make(name, map=costmap))
+        return types.encoded(name, map=costmap)
 
     return answer
 
@@ -136,7 +136,7 @@ def _cost_of_point(types: Distribution, look: Look, data: bytes) -> bytes:
         pose = Pose2(asked.x, asked.y, wrap_angle(asked.theta))
         cost = look().footprint_cost(pose) if asked.use_footprint else look().cost_at(pose)
     name = f"{GET_COST}_Response"
-    return types.encode(name, types.make(name, cost=float(_OUTSIDE if cost is None else cost)))
+    return types.encoded(name, cost=float(_OUTSIDE if cost is None else cost))
 
 
 def _costs_of_poses(types: Distribution, look: Look, data: bytes) -> bytes:
@@ -154,7 +154,7 @@ def _costs_of_poses(types: Distribution, look: Look, data: bytes) -> bytes:
             costs.append(LETHAL if cost is None else cost)
             success = success and cost is not None
     name = f"{GET_COSTS}_Response"
-    return types.encode(name, types.make(name, costs=costs, success=success))
+    return types.encoded(name, costs=costs, success=success)
 
 
 def path_answer(types: Distribution, look: Look) -> Callable[[bytes], bytes]:
@@ -169,7 +169,7 @@ def path_answer(types: Distribution, look: Look) -> Callable[[bytes], bytes]:
         most = getattr(asked, "max_cost", LETHAL)  # Only Kilted has these two fields.
         unknown = LETHAL if getattr(asked, "consider_unknown_as_obstacle", False) else FREE
         valid = _is_free(look(), cast(_PathRequest, asked).path.poses, most, unknown)
-        return types.encode(name, types.make(name, is_valid=valid))
+        return types.encoded(name, is_valid=valid)
 
     return answer
 

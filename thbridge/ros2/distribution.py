@@ -131,6 +131,10 @@ class Distribution:
         self._register(name)
         return bytes(self._store.serialize_cdr(value, name, little_endian=True))
 
+    def encoded(self, name: str, /, **fields: object) -> bytes:
+        """Return a message with these fields as bytes; see `make`."""
+        return self.encode(name, self.make(name, **fields))
+
     def decode(self, name: str, data: bytes) -> object:
         """Return the message in these bytes, which may be untrusted.
 

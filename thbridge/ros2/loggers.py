@@ -38,7 +38,7 @@ def answer_levels(types: Distribution, level_of: Callable[[str], int], request: 
     """
     asked = cast(_Names, types.decode(f"{GET_TYPE}_Request", request))
     levels = [types.make("rcl_interfaces/msg/LoggerLevel", name=name, level=level_of(name)) for name in asked.names]
-    return types.encode(f"{GET_TYPE}_Response", types.make(f"{GET_TYPE}_Response", levels=levels))
+    return types.encoded(f"{GET_TYPE}_Response", levels=levels)
 
 
 def answer_new_levels(types: Distribution, set_level: Callable[[str, int], str], request: bytes) -> bytes:
@@ -59,4 +59,4 @@ def answer_new_levels(types: Distribution, set_level: Callable[[str, int], str],
             else f"there is no level {each.level}. Use one of these levels: {known}"
         )
         results.append(types.make("rcl_interfaces/msg/SetLoggerLevelsResult", successful=not reason, reason=reason))
-    return types.encode(f"{SET_TYPE}_Response", types.make(f"{SET_TYPE}_Response", results=results))
+    return types.encoded(f"{SET_TYPE}_Response", results=results)

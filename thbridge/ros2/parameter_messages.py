@@ -139,14 +139,13 @@ def event(
     """
     seconds, rest = divmod(nanoseconds, 1_000_000_000)
     stamp = types.make("builtin_interfaces/msg/Time", sec=seconds, nanosec=rest)
-    message = types.make(
+    return types.encoded(
         EVENT,
         stamp=stamp,
         node=node,
         new_parameters=[_parameter(types, each, value) for each, value in new],
         changed_parameters=[_parameter(types, each, value) for each, value in changed],
     )
-    return types.encode(EVENT, message)
 
 
 def parameter_value(types: Distribution, kind: ParameterKind, value: Value) -> object:
@@ -213,5 +212,4 @@ def _given(parameter: _ReadParameter) -> GivenParameter:
 
 
 def _response(types: Distribution, service: str, /, **fields: object) -> bytes:
-    name = f"{service}_Response"
-    return types.encode(name, types.make(name, **fields))
+    return types.encoded(f"{service}_Response", **fields)

@@ -35,8 +35,7 @@ def constant_answer(types: Distribution, service: str, **fields: object) -> Call
         service: type of the service.
         fields: fields of the response that do not have their default values.
     """
-    name = f"{service}_Response"
-    return _always(types, service, types.encode(name, types.make(name, **fields)))
+    return _always(types, service, types.encoded(f"{service}_Response", **fields))
 
 
 def map_refused(types: Distribution) -> Callable[[bytes], bytes]:

@@ -35,7 +35,7 @@ def answer_type_description(types: Distribution, request: bytes) -> bytes:
     description = _described(types, asked.type_name, asked.type_hash)
     name = f"{SERVICE_TYPE}_Response"
     if isinstance(description, str):
-        return types.encode(name, types.make(name, successful=False, failure_reason=description))
+        return types.encoded(name, successful=False, failure_reason=description)
     message = types.make(
         f"{_MESSAGES}/TypeDescription",
         type_description=_struct(types, description["type_description"]),
@@ -43,7 +43,7 @@ def answer_type_description(types: Distribution, request: bytes) -> bytes:
     )
     sources = types.sources(asked.type_name) if asked.include_type_sources else []
     listed = [types.make(f"{_MESSAGES}/TypeSource", **source._asdict()) for source in sources]
-    return types.encode(name, types.make(name, successful=True, type_description=message, type_sources=listed))
+    return types.encoded(name, successful=True, type_description=message, type_sources=listed)
 
 
 def _described(types: Distribution, name: str, hash_: str) -> FullDescription | str:

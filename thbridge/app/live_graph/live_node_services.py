@@ -113,8 +113,7 @@ class LiveNodeServices:
             self._complaints.warn(f"{service}: ignoring a pose: {found.sentence}")
         elif self._limiter.admits(service, "clients"):
             self._ask(service, SetPoseEstimate(robot, found.base_in_map, found.covariance))
-        name = f"{services.SET_INITIAL_POSE}_Response"
-        return self._types.encode(name, self._types.make(name))
+        return self._types.encoded(f"{services.SET_INITIAL_POSE}_Response")
 
 
 def offer_logger_levels(offered: NodeServices, types: Distribution, node: NodeName) -> None:

@@ -15,6 +15,7 @@ from thbridge.ros2.message_fields import (
     SendGoalResponseFields,
 )
 from thbridge.ros2.qos import DEFAULT, LATCHED
+from thbridge.ros2.supports import ServiceSupport
 from thbridge.ros2graph.sockets.carrier import GraphCarrier, GraphClient
 from thbridge.ros2graph.values.graph import NodeName
 from thbridge.sockets.warn_once import WarnOnce
@@ -72,10 +73,8 @@ class GraphActionClient:
             fields = cast(SendGoalResponseFields, response)
             on_answer(nanoseconds(fields.stamp) if fields.accepted else None)
 
-        request = self._distribution.make(
-            self._types.send_goal.request.name, goal_id=uuid_of(self._distribution, goal_id), goal=goal
-        )
-        self._call(self._send_goal, self._types.send_goal.request.name, request, answered)
+        goal_uuid = uuid_of(self._distribution, goal_id)
+        self._call(self._send_goal, self._types.send_goal, answered, goal_id=goal_uuid, goal=goal)
 
     def get_result(self, goal_id: bytes, on_result: Callable[[ActionResult[object]], None]) -> None:
         """Wait for the result of a goal."""
@@ -84,9 +83,7 @@ class GraphActionClient:
             fields = cast(GetResultResponseFields, response)
             on_result(ActionResult(goal_state(fields.status), fields.result))
 
-        name = self._types.get_result.request.name
-        request = self._distribution.make(name, goal_id=uuid_of(self._distribution, goal_id))
-        self._call(self._get_result, name, request, answered)
+        self._call(self._get_result, self._types.get_result, answered, goal_id=uuid_of(self._distribution, goal_id))
 
     def cancel(self, goal: GoalInfo, on_answer: Callable[[CancelAnswer], None] = lambda answer: None) -> None:
         """Cancel goals; see `ActionGoals.cancel`."""
@@ -96,23 +93,22 @@ class GraphActionClient:
             code = CancelCode(fields.return_code) if fields.return_code in {*CancelCode} else CancelCode.REJECTED
             on_answer(CancelAnswer(code, tuple(goal_info(each) for each in fields.goals_canceling)))
 
-        name = self._types.cancel_goal.request.name
-        request = self._distribution.make(name, goal_info=goal_info_of(self._distribution, goal))
-        self._call(self._cancel_goal, name, request, answered)
+        info = goal_info_of(self._distribution, goal)
+        self._call(self._cancel_goal, self._types.cancel_goal, answered, goal_info=info)
 
     def close(self) -> None:
         """Leave the graph. No further response is delivered."""
         for client in (self._send_goal, self._cancel_goal, self._get_result):
             client.close()
 
-    def _call(self, client: GraphClient, name: str, request: object, on_response: Callable[[object], None]) -> None:
-        response_name = f"{name.removesuffix('_Request')}_Response"
-
+    def _call(
+        self, client: GraphClient, service: ServiceSupport, on_response: Callable[[object], None], **fields: object
+    ) -> None:
         def decoded(data: bytes) -> None:
-            if (response := self._decoded(response_name, data)) is not None:
+            if (response := self._decoded(service.response.name, data)) is not None:
                 on_response(response)
 
-        client.call(self._distribution.encode(name, request), decoded)
+        client.call(self._distribution.encoded(service.request.name, **fields), decoded)
 
     def _receive_feedback(self, data: bytes, publisher: bytes) -> None:
         message = cast(FeedbackMessageFields | None, self._decoded(self._types.feedback.name, data))

@@ -58,10 +58,9 @@ class GraphActionServer:
     def publish(self) -> None:
         """Publish new feedback, and the status list if a goal has changed. Call this after each tick."""
         for goal_id, feedback in self._logic.take_feedback():
-            message = self._distribution.make(
-                self._types.feedback.name, goal_id=uuid_of(self._distribution, goal_id), feedback=feedback
-            )
-            self._feedback.write(self._distribution.encode(self._types.feedback.name, message))
+            goal_uuid = uuid_of(self._distribution, goal_id)
+            name = self._types.feedback.name
+            self._feedback.write(self._distribution.encoded(name, goal_id=goal_uuid, feedback=feedback))
         goals = self._logic.goals
         if goals.changed:
             goals.changed = False
@@ -71,8 +70,7 @@ class GraphActionServer:
                 )
                 for goal, state in goals.statuses
             ]
-            message = self._distribution.make(self._types.status.name, status_list=statuses)
-            self._status.write(self._distribution.encode(self._types.status.name, message))
+            self._status.write(self._distribution.encoded(self._types.status.name, status_list=statuses))
 
     # Services
 
@@ -121,5 +119,4 @@ class GraphActionServer:
             return None
 
     def _respond(self, reply: Reply, service: ServiceSupport, **fields: object) -> None:
-        name = service.response.name
-        reply(self._distribution.encode(name, self._distribution.make(name, **fields)))
+        reply(self._distribution.encoded(service.response.name, **fields))
