@@ -8,7 +8,7 @@ planner is always the robot's own planner, with the costs that its global costma
 """
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from enum import IntEnum
 from typing import Protocol, cast
 
@@ -21,7 +21,8 @@ from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import MAP_FRAME
-from thbridge.ros2.actions import ActionGoals, ActionGoalState, CancelAnswer
+from thbridge.ros2.action_logic import ActionLogic
+from thbridge.ros2.actions import ActionGoalState
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.message_fields import StampedPoseFields
 from thbridge.ros2.nav2_parameters import PLANNER
@@ -69,19 +70,16 @@ class PathGoalFields(Protocol):
     use_start: bool
 
 
-class ComputePathServer:
-    """Logic of one robot's action server compute_path_to_pose. It implements `ActionLogic`.
+class ComputePathServer(ActionLogic):
+    """Logic of one robot's action server compute_path_to_pose.
 
     Args:
         distribution: message types.
         make_plan: makes a plan of the robot.
-
-    Attributes:
-        goals: the goals, with their results.
     """
 
     def __init__(self, distribution: Distribution, make_plan: MakePlan) -> None:
-        self.goals: ActionGoals[object] = ActionGoals(RESULT_TIMEOUT_NS[distribution.name])
+        super().__init__(RESULT_TIMEOUT_NS[distribution.name])
         self._distribution = distribution
         self._make_plan = make_plan
         self._to_path = distribution.from_ros1(types.PATH, "nav_msgs/msg/Path")
@@ -96,14 +94,6 @@ class ComputePathServer:
         self.goals.execute(goal_id)
         self._waiting.append((goal_id, cast(PathGoalFields, goal)))
         return now
-
-    def receive_cancel(self, goal_id: bytes, stamp_ns: int, client: str) -> CancelAnswer:
-        """Process a cancel request; see `ActionLogic`."""
-        return self.goals.cancel(goal_id, stamp_ns)
-
-    def take_feedback(self) -> Sequence[tuple[bytes, object]]:
-        """Return no feedback, because this action has none."""
-        return ()
 
     def follow(self, tick: int) -> None:
         """Process a tick of the session: make one plan, and end canceled goals."""

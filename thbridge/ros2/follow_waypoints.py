@@ -14,7 +14,8 @@ from typing import cast
 
 from thbridge.ros.actionlib import FEEDBACK_PERIOD
 from thbridge.ros.messages.stamps import stamp_ns
-from thbridge.ros2.actions import ActionGoals, ActionGoalState, CancelAnswer
+from thbridge.ros2.action_logic import ActionLogic
+from thbridge.ros2.actions import ActionGoalState, CancelAnswer
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.message_fields import NavigationResultFields, WaypointsGoalFields
 from thbridge.ros2.navigate_to_pose import NAVIGATE_TO_POSE, RESULT_TIMEOUT_NS, NavigateToPoseServer
@@ -52,28 +53,24 @@ class _WaypointTrip:
     missed: list[object] = field(default_factory=list)
 
 
-class FollowWaypointsServer:
-    """Logic of one robot's action server follow_waypoints. It implements `ActionLogic`.
+class FollowWaypointsServer(ActionLogic):
+    """Logic of one robot's action server follow_waypoints.
 
     Args:
         distribution: message types.
         navigate: the robot's action server navigate_to_pose.
         stop_on_failure: if True, a missed waypoint ends the goal.
-
-    Attributes:
-        goals: the goals, with their results.
     """
 
     def __init__(
         self, distribution: Distribution, navigate: NavigateToPoseServer, *, stop_on_failure: bool = STOP_ON_FAILURE
     ) -> None:
-        self.goals: ActionGoals[object] = ActionGoals(RESULT_TIMEOUT_NS[distribution.name])
+        super().__init__(RESULT_TIMEOUT_NS[distribution.name])
         self.stop_on_failure = stop_on_failure
         self._distribution = distribution
         self._navigate = navigate
         self._now = stamp_ns(0)
         self._trip: _WaypointTrip | None = None
-        self._feedback: list[tuple[bytes, object]] = []
 
     def receive_goal(self, goal_id: bytes, goal: object, client: str) -> int | None:
         """Process a new goal; see `ActionLogic`. It preempts the previous goal."""
@@ -100,11 +97,6 @@ class FollowWaypointsServer:
         if trip is not None and any(goal.id == trip.goal_id for goal in answer.goals):
             self._navigate.receive_cancel(trip.leg, 0, client)
         return answer
-
-    def take_feedback(self) -> Sequence[tuple[bytes, object]]:
-        """Return the feedback since the last call; see `ActionLogic`."""
-        feedback, self._feedback = self._feedback, []
-        return feedback
 
     def follow(self, tick: int) -> None:
         """Process a tick of the session, after navigate_to_pose has processed it."""

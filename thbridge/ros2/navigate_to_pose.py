@@ -25,8 +25,9 @@ from thbridge.ros.messages.records import CancelRequest, GoalRequest
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import MAP_FRAME, RobotNames
 from thbridge.ros.topics import RosMessage
+from thbridge.ros2.action_logic import ActionLogic
 from thbridge.ros2.action_messages import duration_of, pose_stamped_of
-from thbridge.ros2.actions import ActionGoals, ActionGoalState, CancelAnswer
+from thbridge.ros2.actions import ActionGoalState, CancelAnswer
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.message_fields import NavigationGoalFields, StampedPoseFields
 from thbridge.ros2.navigation_errors import NO_ERROR, ErrorResult, NavigationError, navigation_error
@@ -45,8 +46,8 @@ AskRobot: TypeAlias = Callable[[str, GoalRequest | CancelRequest], None]
 """Callback with the name of a client's node and its request to a robot."""
 
 
-class NavigateToPoseServer:
-    """Logic of one robot's action server navigate_to_pose. It implements `ActionLogic`.
+class NavigateToPoseServer(ActionLogic):
+    """Logic of one robot's action server navigate_to_pose.
 
     Args:
         robot: its index in the team.
@@ -55,12 +56,11 @@ class NavigateToPoseServer:
         ask: callback for requests to the robot.
 
     Attributes:
-        goals: the goals, with their results.
         topics: topics of the session whose messages `follow` needs.
     """
 
     def __init__(self, robot: int, distribution: Distribution, numbers: Iterator[int], ask: AskRobot) -> None:
-        self.goals: ActionGoals[object] = ActionGoals(RESULT_TIMEOUT_NS[distribution.name])
+        super().__init__(RESULT_TIMEOUT_NS[distribution.name])
         self._robot = robot
         self._distribution = distribution
         self._numbers = numbers
@@ -78,7 +78,6 @@ class NavigateToPoseServer:
         self._recoveries = 0
         # Ids of goals in move_base, and here. Ended goals of move_base are not in it.
         self._ids: dict[str, bytes] = {}
-        self._feedback: list[tuple[bytes, object]] = []
 
     # Requests of clients
 
@@ -106,11 +105,6 @@ class NavigateToPoseServer:
             if known in canceled:
                 self._ask(client, CancelRequest(self._robot, text, 0))
         return answer
-
-    def take_feedback(self) -> Sequence[tuple[bytes, object]]:
-        """Return the feedback since the last call; see `ActionLogic`."""
-        feedback, self._feedback = self._feedback, []
-        return feedback
 
     # The session
 

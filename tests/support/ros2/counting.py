@@ -1,12 +1,13 @@
 """Action of test_msgs that counts, with the types of Kilted."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 from rosbags.typesys import Stores
 
-from thbridge.ros2.actions import ActionGoals, ActionGoalState, CancelAnswer
+from thbridge.ros2.action_logic import ActionLogic
+from thbridge.ros2.actions import ActionGoalState
 from thbridge.ros2.distribution import DISTRIBUTIONS, Distribution
 from thbridge.ros2.interface_texts import KILTED_TEXTS
 
@@ -24,16 +25,15 @@ def counting_types() -> Iterator[Distribution]:
         del DISTRIBUTIONS["counting"]
 
 
-class CountingLogic:
+class CountingLogic(ActionLogic):
     """Logic of an action server that counts to `order`, by one in each step. A newer goal aborts the older one."""
 
     def __init__(self, distribution: Distribution) -> None:
-        self.goals: ActionGoals[Any] = ActionGoals(10_000_000_000)
+        super().__init__(10_000_000_000)
         self._distribution = distribution
         self._now = 1_000_000_000
         self._orders: dict[bytes, int] = {}
         self._count = 0
-        self._feedback: list[tuple[bytes, Any]] = []
 
     def receive_goal(self, goal_id: bytes, goal: Any, client: str) -> int | None:
         if not self.goals.accept(goal_id, self._now):
@@ -42,13 +42,6 @@ class CountingLogic:
             self._end(known, ActionGoalState.ABORTED)
         self._orders[goal_id], self._count = goal.order, 0
         return self._now
-
-    def receive_cancel(self, goal_id: bytes, stamp_ns: int, client: str) -> CancelAnswer:
-        return self.goals.cancel(goal_id, stamp_ns)
-
-    def take_feedback(self) -> Sequence[tuple[bytes, Any]]:
-        feedback, self._feedback = self._feedback, []
-        return feedback
 
     def step(self) -> None:
         """Count by one."""
