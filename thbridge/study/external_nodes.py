@@ -13,6 +13,10 @@ class ExternalNodes(StrEnum):
     MOVE_BASE = "move_base"
     BOTH = "both"
 
+    def has(self, node: str) -> bool:
+        """Return True if another program runs this node of the robots: amcl or move_base."""
+        return (node == "amcl" and self.amcl) or (node == "move_base" and self.move_base)
+
     @property
     def amcl(self) -> bool:
         """True if an external amcl replaces the robots' own localization."""

@@ -7,7 +7,7 @@ from sim.common.robot_numbers import robot_numbers
 from sim.world.sensors import mount_of
 from thbridge.app.compose.machine import machine, versions
 from thbridge.app.compose.setting import StudySetting
-from thbridge.app.live_graph.live import TeamDescription
+from thbridge.app.live_graph.common import TeamDescription
 from thbridge.app.session.broadcast import Broadcast, Listener
 from thbridge.app.session.recording import BagRecorder
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions

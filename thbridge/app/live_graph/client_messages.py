@@ -1,16 +1,20 @@
-"""Conversion of messages of ROS clients into requests to robots."""
+"""Conversion of messages of ROS clients into requests to robots, and the topics of these messages."""
 
 import logging
 from collections.abc import Callable
 from itertools import count
+from typing import NamedTuple, TypeVar
 
 from thbridge.app.live_graph.rate_limiter import RateLimiter
 from thbridge.roles.shared.robot_requests import Request
 from thbridge.ros import clients
 from thbridge.ros.clients import InvalidMessage
+from thbridge.ros.messages import types
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.sockets.warn_once import WarnOnce
+
+R = TypeVar("R")
 
 _log = logging.getLogger(__name__)
 
@@ -72,6 +76,34 @@ class ClientMessages:
         return min(stamp, stamp_ns(self._tick))
 
 
+class ClientTopic(NamedTuple):
+    """Topic of a robot with messages of clients.
+
+    Attributes:
+        name: its name on ROS 1 graphs.
+        msgtype: its type there.
+        read: reader of its messages.
+        external: external node that reads it instead of the session. Empty if there is none.
+        ros2: its name on ROS 2 graphs, and Nav2's node that reads it. None if an action of ROS 2 replaces it.
+    """
+
+    name: str
+    msgtype: str
+    read: Callable[[ClientMessages, int, bytes], Request | InvalidMessage]
+    external: str
+    ros2: tuple[str, str] | None
+
+
+_MOVE_BASE, _NAVIGATOR = "move_base", ("goal_pose", "bt_navigator")
+CLIENT_TOPICS = (
+    ClientTopic("initialpose", types.POSE_WITH_COVARIANCE, ClientMessages.pose, "amcl", ("initialpose", "amcl")),
+    ClientTopic("cmd_vel", types.TWIST, ClientMessages.velocity, "", ("cmd_vel", "")),
+    ClientTopic("move_base_simple/goal", types.POSE_STAMPED, ClientMessages.simple_goal, _MOVE_BASE, _NAVIGATOR),
+    ClientTopic("move_base/goal", types.MOVE_BASE_GOAL, ClientMessages.goal, _MOVE_BASE, None),
+    ClientTopic("move_base/cancel", types.GOAL_ID, ClientMessages.cancel, _MOVE_BASE, None),
+)
+
+
 class ClientRequests:
     """Requests of all clients of a session, on ROS 1 and ROS 2 graphs. Their rate is limited.
 
@@ -94,12 +126,30 @@ class ClientRequests:
         self.messages.advance(tick)
         self.limiter.tick()
 
-    def receive(self, topic: str, read: Callable[[bytes], Request | InvalidMessage], data: bytes, client: str) -> None:
-        """Pass on the request in a message. Log invalid messages once."""
+    def read(self, topic: ClientTopic, robot: int, data: bytes) -> Request:
+        """Return the request in a message. Raises ValueError: it is invalid."""
+        found = topic.read(self.messages, robot, data)
+        if isinstance(found, InvalidMessage):
+            raise ValueError(found.sentence)
+        return found
+
+    def receive(
+        self, topic: str, client: str, data: bytes, read: Callable[[bytes], R], take: Callable[[str, R], None]
+    ) -> None:
+        """Pass on the content of a message, with the name of the client. Log invalid messages once.
+
+        Args:
+            topic: topic of the message.
+            client: node of its publisher.
+            data: the message.
+            read: reader of messages. For invalid messages, it raises ValueError.
+            take: callback for the content.
+        """
         if not self.limiter.admits(topic, client):
             return
-        request = read(data)
-        if isinstance(request, InvalidMessage):
-            self._complaints.warn(f"{topic}: ignoring a message of {client}: {request.sentence}")
+        try:
+            content = read(data)
+        except ValueError as error:
+            self._complaints.warn(f"{topic}: ignoring a message of {client}: {error}")
         else:
-            self.ask(client, request)
+            take(client, content)

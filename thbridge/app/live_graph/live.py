@@ -5,20 +5,20 @@ two ticks. Queries (for the map or a plan) are answered at once and do not chang
 """
 
 import logging
-from collections.abc import AsyncIterator, Callable, Iterable, Sequence
+from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
 from sim.common.geometry import Pose2
-from sim.common.grid import OccupancyGrid
 from sim.inputs import ClearCostmaps, GlobalLocalization, NomotionUpdate, SetPoseEstimate
 from sim.numerics.float_array import FloatArray
 from sim.robot.global_planning.path import PlanRefusal as NoPlan
 from sim.team import Team
-from thbridge.app.live_graph.client_messages import ClientRequests
+from thbridge.app.live_graph.client_messages import CLIENT_TOPICS, ClientRequests
+from thbridge.app.live_graph.common import OF_AMCL, BegunRecoveries, TeamDescription, without_corrections
 from thbridge.app.live_graph.live_loggers import offer_loggers
 from thbridge.app.live_graph.live_parameters import LiveParameters, sendable
 from thbridge.app.live_graph.typed_node import TypedNode
@@ -30,40 +30,19 @@ from thbridge.ros import clients, names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.names import CALLER, MAP_FRAME, RobotNames
-from thbridge.ros.parameters import Tree
-from thbridge.ros.topics import CLOCK, OF_ERRORS, RosMessage, Topic, VehicleTopics
+from thbridge.ros.topics import CLOCK, RosMessage, VehicleTopics
 from thbridge.rosgraph.sockets.joining import GraphAddress, MasterPresence, ensure_master
 from thbridge.rosgraph.sockets.node import NodeStarted, RosNode
 from thbridge.rosgraph.sockets.request_queue import RequestQueue
 from thbridge.rosgraph.wire.links import ServiceFailed
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.warn_once import WarnOnce
-from thbridge.study.external_nodes import ExternalNodes
+
+R = TypeVar("R")
 
 _log = logging.getLogger(__name__)
 
-OF_AMCL = frozenset({"amcl_pose", "particlecloud", "initialpose", *OF_ERRORS})
-"""Last parts of the names of topics that amcl publishes or reads, and of topics with errors of our localizer."""
 NO_POSES: FloatArray = np.empty((0, 3))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class TeamDescription:
-    """Description of a team for a ROS graph.
-
-    Attributes:
-        topics: topics to advertise.
-        grid: the map.
-        rest: parameters of the study, without the parameters of robots.
-        body: corners of a robot's body in the robot's base frame, meters.
-        external: nodes that other programs run for these robots.
-    """
-
-    topics: Sequence[Topic]
-    grid: OccupancyGrid
-    rest: Tree
-    body: Sequence[Sequence[float]]
-    external: ExternalNodes = ExternalNodes.NONE
 
 
 class LiveGraph:
@@ -102,7 +81,7 @@ class LiveGraph:
             for topic in (CLOCK, *description.topics)
             if not self._is_external(topic.name)
         }
-        self._recoveries = [progress.tried for progress in team.recoveries]
+        self._recoveries = BegunRecoveries(team)
         self._recovery_status = [
             self._node.advertise(named.topic("move_base/recovery_status"), types.RECOVERY_STATUS, latched=False)
             for named in self._robots
@@ -187,11 +166,8 @@ class LiveGraph:
         """Publish all recovery behaviors that robots have begun in the last tick."""
         if self._external.move_base:
             return
-        for robot, progress in enumerate(self._team.recoveries):
-            before, self._recoveries[robot] = self._recoveries[robot], progress.tried
-            # If a robot began the list again within the tick, all behaviors tried since then are new.
-            first = before if progress.tried >= before else 0
-            for number in range(first, progress.tried):
+        for robot, (progress, begun) in enumerate(zip(self._team.recoveries, self._recoveries.take(), strict=True)):
+            for number in begun:
                 name, base = progress.names[number], self._team.believed_pose(robot)
                 status = pack.recovery_status(self._tick, MAP_FRAME, base, number, len(progress.names), name)
                 self._recovery_status[robot].publish(status)
@@ -199,39 +175,28 @@ class LiveGraph:
     # Messages of clients
 
     def _subscribe_to_clients(self, robot: int, named: RobotNames) -> None:
-        messages = self._requests.messages
-        for topic, msgtype, read in (
-            ("initialpose", types.POSE_WITH_COVARIANCE, messages.pose),
-            ("cmd_vel", types.TWIST, messages.velocity),
-            ("move_base_simple/goal", types.POSE_STAMPED, messages.simple_goal),
-            ("move_base/goal", types.MOVE_BASE_GOAL, messages.goal),
-            ("move_base/cancel", types.GOAL_ID, messages.cancel),
-        ):
-            name = named.topic(topic)
-            if topic != "cmd_vel" and self._is_external(name):
-                continue
-            self._node.subscribe(name, msgtype, partial(self._receive_request, name, partial(read, robot)))
-
-    def _receive_request(
-        self, topic: str, read: Callable[[bytes], Request | InvalidMessage], data: bytes, caller: str
-    ) -> None:
-        if caller != CALLER:  # The game sends its own goals and commands on the same topics.
-            self._requests.receive(topic, read, data, caller)
+        for topic in CLIENT_TOPICS:
+            if not self._external.has(topic.external):
+                read = partial(self._requests.read, topic, robot)
+                self._receive(named.topic(topic.name), topic.msgtype, read, self._ask)
 
     def _subscribe_to_stations(self, robot: int, receive: Callable[[int, Frame], None]) -> None:
         topic = VehicleTopics(self._robots[robot]).received
-        on_message = partial(self._receive_frame, topic.name, partial(receive, robot))
-        self._node.subscribe(topic.name, topic.msgtype, on_message)
+        self._receive(
+            topic.name,
+            topic.msgtype,
+            lambda data: frame_in(unpack.mavlink(data)),
+            lambda client, frame: receive(robot, frame),
+        )
 
-    def _receive_frame(self, topic: str, receive: Callable[[Frame], None], data: bytes, caller: str) -> None:
-        if caller == CALLER or not self._limiter.admits(topic, caller):
-            return
-        try:
-            frame = frame_in(unpack.mavlink(data))
-        except ValueError as error:
-            self._complaints.warn(f"{topic}: ignoring a message of {caller}: {error}")
-        else:
-            receive(frame)
+    def _receive(self, topic: str, msgtype: str, read: Callable[[bytes], R], take: Callable[[str, R], None]) -> None:
+        """Subscribe to a topic of clients; see `ClientRequests.receive`."""
+
+        def on_message(data: bytes, caller: str) -> None:
+            if caller != CALLER:  # The game sends its own goals and commands on the same topics.
+                self._requests.receive(topic, caller, data, read, take)
+
+        self._node.subscribe(topic, msgtype, on_message)
 
     # Services
 
@@ -240,21 +205,20 @@ class LiveGraph:
         self._node.serve(names.STATIC_MAP, types.GET_MAP, lambda request: whole)
 
     def _offer_services(self, robot: int, named: RobotNames) -> None:
-        for service, request in (
-            ("global_localization", GlobalLocalization(robot)),
-            ("request_nomotion_update", NomotionUpdate(robot)),
-            ("move_base/clear_costmaps", ClearCostmaps(robot)),
+        for external, service, request in (
+            ("amcl", "global_localization", GlobalLocalization(robot)),
+            ("amcl", "request_nomotion_update", NomotionUpdate(robot)),
+            ("move_base", "move_base/clear_costmaps", ClearCostmaps(robot)),
         ):
-            name = named.topic(service)
-            if self._external.move_base if "/" in service else self._external.amcl:
-                continue
-            self._node.serve(name, types.EMPTY, partial(self._pass_on, name, request))
+            if not self._external.has(external):
+                name = named.topic(service)
+                self._node.serve(name, types.EMPTY, partial(self._pass_on, name, request))
         if self._external.amcl:
             return
         self._node.serve(named.topic("set_map"), types.SET_MAP, partial(self._set_map, robot))
         self._node.serve(named.topic("set_pose"), types.SET_POSE, partial(self._set_pose, robot))
-        for service in () if self._external.move_base else ("move_base/make_plan", "move_base/NavfnROS/make_plan"):
-            self._node.serve(named.topic(service), types.GET_PLAN, self._turns.wrap(partial(self._make_plan, robot)))
+        for plan in () if self._external.move_base else ("move_base/make_plan", "move_base/NavfnROS/make_plan"):
+            self._node.serve(named.topic(plan), types.GET_PLAN, self._turns.wrap(partial(self._make_plan, robot)))
 
     def _pass_on(self, service: str, request: Request, data: bytes) -> bytes:
         if self._limiter.is_first(service):
@@ -295,11 +259,6 @@ class LiveGraph:
             _log.info("%s: no plan: %s", self._robots[robot].topic("move_base/make_plan"), plan.sentence)
             return pack.path(self._tick, MAP_FRAME, NO_POSES)
         return pack.path(self._tick, MAP_FRAME, plan)
-
-
-def without_corrections(data: bytes) -> bytes:
-    """Return a message of transforms without those of the map, which an external amcl publishes."""
-    return pack.stamped_transforms([piece for parent, piece in unpack.transform_pieces(data) if parent != MAP_FRAME])
 
 
 @asynccontextmanager

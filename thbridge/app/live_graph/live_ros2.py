@@ -7,31 +7,38 @@ import logging
 from collections.abc import AsyncIterator, Callable, Iterator, Sequence
 from contextlib import asynccontextmanager
 from functools import partial
+from typing import TypeVar
 
 from sim.common.geometry import Pose2
 from sim.numerics.float_array import FloatArray
 from sim.robot.global_planning.path import PlanRefusal
 from sim.robot.navigator.navigation import Navigation
 from sim.team import Team
-from thbridge.app.live_graph.client_messages import ClientRequests
-from thbridge.app.live_graph.live import OF_AMCL, TeamDescription, without_corrections
+from thbridge.app.live_graph.client_messages import CLIENT_TOPICS, ClientRequests
+from thbridge.app.live_graph.common import OF_AMCL, BegunRecoveries, TeamDescription, without_corrections
 from thbridge.app.live_graph.live_node_parameters import LiveNodeParameters
 from thbridge.app.live_graph.live_node_services import LiveNodeServices, offer_logger_levels
 from thbridge.app.session.mavros import frame_in
 from thbridge.mavlink.wire.frames.frame import Frame
-from thbridge.roles.shared.robot_requests import Request
 from thbridge.ros import names
-from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.names import CALLER, RobotNames
 from thbridge.ros.publisher import clock_message
-from thbridge.ros.topics import RosMessage, VehicleTopics
+from thbridge.ros.topics import RosMessage, Topic, VehicleTopics
 from thbridge.ros2.compute_path_to_pose import COMPUTE_PATH_TO_POSE, ComputePathServer, MakePlan
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.follow_waypoints import FOLLOW_WAYPOINTS, FollowWaypointsServer
 from thbridge.ros2.navigate_to_pose import NAVIGATE_TO_POSE, NavigateToPoseServer
 from thbridge.ros2.qos import DEFAULT, Durability
-from thbridge.ros2.topics import TWIST, TWIST_STAMPED, Convert, Ros2Topic, SessionTopics, converter_to_ros1
+from thbridge.ros2.topics import (
+    TWIST,
+    TWIST_STAMPED,
+    Convert,
+    Ros2Topic,
+    SessionTopics,
+    converter_to_ros1,
+    type_of_ros1,
+)
 from thbridge.ros2graph.sockets.action_server import GraphActionServer
 from thbridge.ros2graph.sockets.carrier import GraphCarrier, GraphWriter
 from thbridge.ros2graph.sockets.joining import carrier_of, find_nodes
@@ -43,8 +50,7 @@ from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.sockets.warn_once import WarnOnce
 from thbridge.study.external_nodes import ExternalNodes
 
-_POSE_ESTIMATE = "geometry_msgs/msg/PoseWithCovarianceStamped"
-_POSE_STAMPED = "geometry_msgs/msg/PoseStamped"
+R = TypeVar("R")
 
 _log = logging.getLogger(__name__)
 
@@ -116,7 +122,7 @@ class LiveRos2Graph:
         ]
         self._action_topics = {name: robot for robot, each in enumerate(self._actions) for name in each.topics}
         self._unsent: set[_TopicWriter] = set()
-        self._recoveries = [progress.tried for progress in team.recoveries]
+        self._recoveries = BegunRecoveries(team)
         for robot, named in enumerate(self._robots):
             self._subscribe_to_clients(robot, named)
             if receive_frame is not None:
@@ -179,74 +185,54 @@ class LiveRos2Graph:
         self._follow_actions(tick, messages)
 
     def _follow_actions(self, tick: int, messages: Sequence[RosMessage]) -> None:
-        progress = self._team.recoveries
         own: list[list[RosMessage]] = [[] for _ in self._actions]
         for message in messages:
             robot = self._action_topics.get(message.topic.name)
             if robot is not None:
                 own[robot].append(message)
-        for robot, actions in enumerate(self._actions):
-            before, self._recoveries[robot] = self._recoveries[robot], progress[robot].tried
-            # If a robot began the list again within the tick, all behaviors tried since then are new.
-            begun = progress[robot].tried - (before if progress[robot].tried >= before else 0)
-            actions.follow(tick, own[robot], self._team.navigation(robot), begun)
+        for robot, (actions, begun) in enumerate(zip(self._actions, self._recoveries.take(), strict=False)):
+            actions.follow(tick, own[robot], self._team.navigation(robot), len(begun))
 
     # Messages of clients
 
     def _subscribe_to_clients(self, robot: int, named: RobotNames) -> None:
-        read = self._requests.messages
-        if not self._external.amcl:
-            node = self._nodes[named.topic("amcl")]
-            estimate = self._reader(_POSE_ESTIMATE, types.POSE_WITH_COVARIANCE, partial(read.pose, robot))
-            self._subscribe(node, named.topic("initialpose"), _POSE_ESTIMATE, estimate)
-        if not self._external.move_base:
-            node = self._nodes[named.topic("bt_navigator")]
-            goal = self._reader(_POSE_STAMPED, types.POSE_STAMPED, partial(read.simple_goal, robot))
-            self._subscribe(node, named.topic("goal_pose"), _POSE_STAMPED, goal)
-        # Drivers of robots have one of these types. A session accepts both.
-        for kind in (TWIST, TWIST_STAMPED):
-            command = self._reader(kind, types.TWIST, partial(read.velocity, robot))
-            self._subscribe(self._nodes[CALLER], named.topic("cmd_vel"), kind, command)
-
-    def _reader(
-        self, kind: str, ros1_type: str, read: Callable[[bytes], Request | InvalidMessage]
-    ) -> Callable[[bytes], Request | InvalidMessage]:
-        """Return a reader of clients' messages of ROS 2, given the reader of the same messages of ROS 1."""
-        convert = converter_to_ros1(self._distribution, kind, ros1_type)
-
-        def read_cdr(data: bytes) -> Request | InvalidMessage:
-            try:
-                return read(convert(data))
-            except ValueError as error:
-                return InvalidMessage(str(error))
-
-        return read_cdr
-
-    def _subscribe(
-        self, node: NodeName, topic: str, kind: str, read: Callable[[bytes], Request | InvalidMessage]
-    ) -> None:
-        def on_message(data: bytes, gid: bytes) -> None:
-            self._requests.receive(topic, read, data, self._carrier.node_of(gid))
-
-        self._carrier.subscribe(node, topic, self._distribution.message(kind), DEFAULT, on_message)
+        for topic in CLIENT_TOPICS:
+            if topic.ros2 is None or self._external.has(topic.external):
+                continue
+            name, node = topic.ros2
+            read = partial(self._requests.read, topic, robot)
+            # Drivers of robots have one of two types for velocities. A session accepts both.
+            kinds = (TWIST, TWIST_STAMPED) if topic.msgtype == types.TWIST else (type_of_ros1(topic.msgtype),)
+            for kind in kinds:
+                reader = self._nodes[named.topic(node) if node else CALLER]
+                self._receive(reader, Topic(named.topic(name), topic.msgtype), kind, read, self._requests.ask)
 
     def _subscribe_to_stations(self, robot: int, named: RobotNames, receive: Callable[[int, Frame], None]) -> None:
-        topic = VehicleTopics(named).received.name
-        convert = self._distribution.to_ros1("mavros_msgs/msg/Mavlink", types.MAVLINK)
+        topic = VehicleTopics(named).received
+        self._receive(
+            self._nodes[CALLER],
+            topic,
+            type_of_ros1(topic.msgtype),
+            lambda data: frame_in(unpack.mavlink(data)),
+            lambda client, frame: receive(robot, frame),
+        )
+
+    def _receive(
+        self,
+        node: NodeName,
+        topic: Topic,
+        kind: str,
+        read: Callable[[bytes], R],
+        take: Callable[[str, R], None],
+    ) -> None:
+        """Subscribe to a topic of clients with a type of ROS 2; see `ClientRequests.receive`."""
+        convert = converter_to_ros1(self._distribution, kind, topic.msgtype)
 
         def on_message(data: bytes, gid: bytes) -> None:
             client = self._carrier.node_of(gid)
-            if not self._requests.limiter.admits(topic, client):
-                return
-            try:
-                frame = frame_in(unpack.mavlink(convert(data)))
-            except ValueError as error:
-                self._complaints.warn(f"{topic}: ignoring a message of {client}: {error}")
-            else:
-                receive(robot, frame)
+            self._requests.receive(topic.name, client, data, lambda cdr: read(convert(cdr)), take)
 
-        support = self._distribution.message("mavros_msgs/msg/Mavlink")
-        self._carrier.subscribe(self._nodes[CALLER], topic, support, DEFAULT, on_message)
+        self._carrier.subscribe(node, topic.name, self._distribution.message(kind), DEFAULT, on_message)
 
 
 @asynccontextmanager
