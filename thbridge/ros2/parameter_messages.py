@@ -12,6 +12,7 @@ from typing import Protocol, cast
 
 import numpy as np
 
+from thbridge.ros2.action_messages import time_of
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.parameters import GivenParameter, NodeParameter, ParameterKind, Value, listed
 
@@ -137,11 +138,9 @@ def event(
         new: declared parameters, with their values.
         changed: changed parameters, with their new values.
     """
-    seconds, rest = divmod(nanoseconds, 1_000_000_000)
-    stamp = types.make("builtin_interfaces/msg/Time", sec=seconds, nanosec=rest)
     return types.encoded(
         EVENT,
-        stamp=stamp,
+        stamp=time_of(types, nanoseconds),
         node=node,
         new_parameters=[_parameter(types, each, value) for each, value in new],
         changed_parameters=[_parameter(types, each, value) for each, value in changed],

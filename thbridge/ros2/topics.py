@@ -18,6 +18,7 @@ import numpy as np
 from thbridge.ros import names
 from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.cursor import UINT32, Cursor
+from thbridge.ros.messages.pack.fields import stamp
 from thbridge.ros.names import RobotNames
 from thbridge.ros.topics import CLOCK, RosMessage, Topic
 from thbridge.ros2.distribution import Distribution
@@ -183,8 +184,7 @@ def _transforms_of(convert: Convert, prefix: str, message: RosMessage) -> bytes:
 
 def _stamped_twist(convert: Callable[[bytes], bytes], message: RosMessage) -> bytes:
     """Return a velocity command with its time stamp; `convert` makes CDR of geometry_msgs/TwistStamped."""
-    seconds, nanoseconds = divmod(message.stamp_ns, 1_000_000_000)
-    header = UINT32.pack(0) + UINT32.pack(seconds) + UINT32.pack(nanoseconds) + UINT32.pack(0)
+    header = UINT32.pack(0) + stamp(message.stamp_ns) + UINT32.pack(0)
     return convert(header + message.data)
 
 
@@ -197,7 +197,6 @@ def _particle_cloud(message: RosMessage) -> bytes:
     weighted[:, :7] = cursor.reals(7 * count).reshape(count, 7)
     weighted[:, 7] = 1.0 / max(count, 1)
     text = frame.encode() + b"\0"
-    seconds, nanoseconds = divmod(stamp_ns, 1_000_000_000)
-    head = UINT32.pack(seconds) + UINT32.pack(nanoseconds) + UINT32.pack(len(text)) + text
+    head = stamp(stamp_ns) + UINT32.pack(len(text)) + text
     head += bytes(-len(head) % 4) + UINT32.pack(count)
     return b"\0\1\0\0" + head + (bytes(-len(head) % 8) + weighted.tobytes() if count else b"")

@@ -27,7 +27,6 @@ from thbridge.files.errors import BadFile, reason_of
 from thbridge.recording.bag.damage import TooLargeChunk
 from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.ros2_storage import (
-    METADATA,
     bounded_sqlite,
     open_reader,
     plain_recording,
@@ -36,13 +35,13 @@ from thbridge.recording.bag.ros2_storage import (
 )
 from thbridge.recording.bag.unpacking import MCAP_MAGIC, UnpackedBytes
 from thbridge.recording.bag.writing.bag_file import BagFile
-from thbridge.recording.recordings import parts_of
+from thbridge.recording.recordings import MCAP, METADATA, parts_of
 from thbridge.ros.messages.foreign_types import register, types_in
 from thbridge.ros.messages.types import md5_of, typestore
 from thbridge.ros2.message_copies import CDR_HEAD, MessageCopy
 from thbridge.ros2.recorded_types import ros1_name
 
-MCAP, SQLITE = ".mcap", ".db3"
+SQLITE = ".db3"
 _DISK_FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EFBIG}
 
 

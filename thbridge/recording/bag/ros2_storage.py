@@ -23,8 +23,8 @@ from thbridge.files.disk.regular_files import content_of, open_regular
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag.damage import TooLargeChunk
 from thbridge.recording.bag.unpacking import ALWAYS, UnpackedBytes, check_mcap, unpack_file, unpacked_message
+from thbridge.recording.recordings import METADATA
 
-METADATA = "metadata.yaml"
 LARGEST_METADATA = 1 << 26
 """Largest size of metadata.yaml, in bytes. It has a few hundred bytes for each file and topic. For our sessions, it
 also contains the study."""

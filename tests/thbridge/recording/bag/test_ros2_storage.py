@@ -13,7 +13,7 @@ from tests.support.bags.ros2_bags import written
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag import ros2_storage
 from thbridge.recording.bag.reading.reader import recorded
-from thbridge.recording.bag.ros2_storage import METADATA
+from thbridge.recording.recordings import METADATA
 
 BOTH = pytest.mark.parametrize("storage", StoragePlugin)
 MODES = [CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE]
