@@ -7,14 +7,24 @@ need one join of these slices. So bytes of strings and numbers are copied unchan
 Source: wiki.ros.org/msg (ROS 1's serialization); DDS-XTypes 1.3, 7.4 (CDR version 1, plain, little-endian).
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import starmap
 from operator import itemgetter
 from struct import Struct
 from typing import TypeAlias, cast
 
-from rosbags.interfaces.typing import FieldDesc, Typesdict
+from rosbags.interfaces.typing import Typesdict
+
+from thbridge.ros2.copied_fields import (
+    CopiedArray,
+    CopiedBlock,
+    CopiedField,
+    CopiedLevel,
+    CopiedStructure,
+    CopiedText,
+    copied_field,
+)
 
 CDR_HEAD = b"\x00\x01\x00\x00"
 """First bytes of a message in CDR: plain, little-endian, no options."""
@@ -24,58 +34,7 @@ LONGEST_PLAN = 2000
 """Slices of the longest plan that is kept. A path of 500 poses needs about this number."""
 
 _U32 = Struct("<I")
-_SIZES = {
-    "bool": 1, "byte": 1, "char": 1, "octet": 1, "int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4,
-    "uint32": 4, "float32": 4, "int64": 8, "uint64": 8, "float64": 8,
-}  # fmt: skip
-_SAME = {"byte": "uint8", "char": "uint8", "octet": "uint8"}
-_LEVELS = {1: 10, 2: 20, 4: 30, 8: 40, 16: 50}
-"""Levels of rosgraph_msgs/Log and of rcl_interfaces/Log: DEBUG, INFO, WARN, ERROR, FATAL."""
-LOG_OF_ROS1, LOG_OF_ROS2 = "rosgraph_msgs/msg/Log", "rcl_interfaces/msg/Log"
 
-
-@dataclass(frozen=True, slots=True)
-class _Block:
-    """Bytes that are equal in both serializations: a number, or a structure of numbers without padding."""
-
-    size: int
-    align: int
-
-
-@dataclass(frozen=True, slots=True)
-class _Text:
-    """String."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Level:
-    """Level of a log message, which has other numbers in ROS 2."""
-
-    levels: Mapping[int, int]
-
-
-@dataclass(frozen=True, slots=True)
-class _Array:
-    """Array of a fixed length, or with its length before it if `count` is None."""
-
-    element: "_Node"
-    count: int | None
-
-
-@dataclass(frozen=True, slots=True)
-class _Structure:
-    """Structure.
-
-    Attributes:
-        source: fields of the source in their order, including fields that only the source has.
-        target: fields of the target in their order. Their position in `source`, or -1 if only the target has them.
-    """
-
-    source: tuple["_Node", ...]
-    target: tuple[tuple["_Node", int], ...]
-
-
-_Node: TypeAlias = _Block | _Text | _Level | _Array | _Structure
 _Span: TypeAlias = tuple[int, int]
 """Start and end of bytes in a message."""
 _Place: TypeAlias = "_Span | int | list[_Place] | None"
@@ -104,10 +63,7 @@ class MessageCopy:
         self._to_cdr = to_cdr
         self._plans: dict[int, list[_Plan]] = {}
         self._kept = 0
-        if {source_type, target_type} == {LOG_OF_ROS1, LOG_OF_ROS2}:
-            self._node = _log_node(source, target, to_cdr)
-        else:
-            self._node = _structure(source, source_type, target, target_type)
+        self._field = copied_field(source, source_type, target, target_type, to_cdr=to_cdr)
 
     def __call__(self, data: bytes) -> bytes:
         """Return the message in the other serialization. Raises ValueError: it does not fit its type."""
@@ -121,10 +77,10 @@ class MessageCopy:
     def _copied(self, data: bytes) -> bytes:
         """Copy a message, and keep its plan."""
         reader = _Reader(data, not self._to_cdr)
-        value = reader.read(self._node)
+        value = reader.read(self._field)
         reader.finish()
         writer = _Writer(self._to_cdr)
-        writer.write(self._node, value)
+        writer.write(self._field, value)
         plan = _Plan.of(reader.lengths, writer)
         if len(plan.pieces) <= LONGEST_PLAN:
             if self._kept == MOST_PLANS:
@@ -188,12 +144,12 @@ class _Reader:
                 raise ValueError("the message is not plain CDR in little-endian order")
             self._at = self._origin = len(CDR_HEAD)
 
-    def read(self, node: _Node) -> _Place:
+    def read(self, field: CopiedField) -> _Place:
         """Return the place of a field; for structures and arrays of other than blocks, a list of places."""
-        match node:
-            case _Block(size, align):
+        match field:
+            case CopiedBlock(size, align):
                 return self._take(size, align)
-            case _Text():
+            case CopiedText():
                 size = self._length()
                 start, end = self._take(size, 1)
                 if self._is_cdr:
@@ -202,19 +158,19 @@ class _Reader:
                     self.lengths.append(((end - 1, end), b"\x00"))
                     end -= 1
                 return start, end
-            case _Level():
+            case CopiedLevel():
                 start, end = self._take(1, 1)
                 self.lengths.append(((start, end), self._data[start:end]))
                 return self._data[start]
-            case _Array(element, count):
+            case CopiedArray(element, count):
                 count = self._length() if count is None else count
-                if isinstance(element, _Block):
+                if isinstance(element, CopiedBlock):
                     return self._take(count * element.size, element.align) if count else (0, 0)
                 if count > len(self._data) - self._at:
                     raise ValueError("an array is longer than its message")
                 return [self.read(element) for _ in range(count)]
-            case _Structure(source, _):
-                return [self.read(field) for field in source]
+            case CopiedStructure(source, _):
+                return [self.read(each) for each in source]
 
     def finish(self) -> None:
         """Check that the message ends here. CDR may be padded to a multiple of 4."""
@@ -250,35 +206,35 @@ class _Writer:
         self.spans: list[tuple[int, int]] = []
         self._size = 0
 
-    def write(self, node: _Node, place: _Place) -> None:
+    def write(self, field: CopiedField, place: _Place) -> None:
         """Write a field from its place in the source."""
-        match node:
-            case _Block(size, align):
+        match field:
+            case CopiedBlock(size, align):
                 self._copy(cast(_Span | None, place), size, align)
-            case _Text():
+            case CopiedText():
                 start, end = cast(_Span, place or (0, 0))
                 self._constant(_U32.pack(end - start + self._is_cdr), 4)
                 self._copy((start, end), end - start, 1)
                 if self._is_cdr:
                     self._constant(b"\x00", 1)
-            case _Level(levels):
+            case CopiedLevel(levels):
                 level = cast(int, place or 0)
                 self._constant(bytes((levels.get(level, level),)), 1)
-            case _Array(_Block(size, align), fixed):
+            case CopiedArray(CopiedBlock(size, align), fixed):
                 start, end = cast(_Span, place or (0, size * (fixed or 0)))
                 if fixed is None:
                     self._constant(_U32.pack((end - start) // size), 4)
                 if start < end:
                     self._copy((start, end) if place else None, end - start, align)
-            case _Array(element, fixed):
+            case CopiedArray(element, fixed):
                 places = cast(list[_Place], place or [None] * (fixed or 0))
                 if fixed is None:
                     self._constant(_U32.pack(len(places)), 4)
                 for each in places:
                     self.write(element, each)
-            case _Structure(_, target):
-                for field, source in target:
-                    self.write(field, None if place is None or source < 0 else cast(list[_Place], place)[source])
+            case CopiedStructure(_, target):
+                for part, source in target:
+                    self.write(part, None if place is None or source < 0 else cast(list[_Place], place)[source])
 
     def _copy(self, span: tuple[int, int] | None, size: int, align: int) -> None:
         if span is None:
@@ -302,93 +258,3 @@ class _Writer:
             padding = -self._size % align
             self._size += padding
             self.constants[-1] += bytes(padding)
-
-
-def _structure(source: Typesdict, source_type: str, target: Typesdict, target_type: str) -> _Node:
-    """Return the node of a structure: a block if it consists of numbers without padding, the same in both."""
-    ours, theirs = _fields(source, source_type), _fields(target, target_type)
-    # ROS 2 spells some names in lower case: sensor_msgs/CameraInfo has the field `K` in ROS 1, and `k` in ROS 2.
-    unmatched = {name.lower(): name for name in theirs if name not in ours}
-    ours = {name if name in theirs else unmatched.get(name.lower(), name): kind for name, kind in ours.items()}
-    numbers = {name: number for number, name in enumerate(ours)}
-    both = {name: _node(source, described, target, theirs[name]) for name, described in ours.items() if name in theirs}
-    if list(ours) == list(theirs):
-        block = _block(tuple(both.values()))
-        if block is not None:
-            return block
-    return _Structure(
-        tuple(both.get(name) or _node(source, described, source, described) for name, described in ours.items()),
-        tuple(
-            (both.get(name) or _node(target, described, target, described), numbers.get(name, -1))
-            for name, described in theirs.items()
-        ),
-    )
-
-
-def _fields(types: Typesdict, name: str) -> dict[str, FieldDesc]:
-    return dict(types[name][1])
-
-
-def _block(fields: tuple[_Node, ...]) -> _Block | None:
-    """Return fields as one block, if they are blocks, and CDR puts no padding between or after them."""
-    size, align = 0, 1
-    for field in fields:
-        match field:
-            case _Block(length, of_field):
-                pass
-            case _Array(_Block(of_one, of_field), count) if count:
-                length = count * of_one
-            case _:
-                return None
-        if size % of_field:
-            return None
-        size, align = size + length, max(align, of_field)
-    return _Block(size, align) if size and not size % align else None
-
-
-def _node(source: Typesdict, ours: object, target: Typesdict, theirs: object) -> _Node:
-    """Return the node of a field, from its descriptions in rosbags' form."""
-    match ours, theirs:
-        case (1, (str(one), _)), (1, (str(other), _)) if _SAME.get(one, one) == _SAME.get(other, other):
-            return _Text() if one == "string" else _Block(_SIZES[one], _SIZES[one])
-        case (2, str(one)), (2, str(other)):
-            return _structure(source, one, target, other)
-        case (3, (ours_in, int(count))), (3, (theirs_in, int(number))) if count == number:
-            return _Array(_node(source, ours_in, target, theirs_in), count)
-        case (4, (ours_in, _)), (4, (theirs_in, _)):
-            return _Array(_node(source, ours_in, target, theirs_in), None)
-    raise ValueError(f"a field is {_described(ours)} in one type and {_described(theirs)} in the other")
-
-
-def _described(field: object) -> str:
-    """Return the type of a field as a phrase."""
-    match field:
-        case (1, (str(name), _)) | (2, str(name)):
-            return name
-        case (3, (element, count)):
-            return f"{_described(element)}[{count}]"
-        case (4, (element, _)):
-            return f"{_described(element)}[]"
-    return "unknown"
-
-
-def _log_node(source: Typesdict, target: Typesdict, to_cdr: bool) -> _Node:
-    """Return the node of a log message: in ROS 2, it has only the stamp of the header, and other levels."""
-    ros1, ros2 = (source, target) if to_cdr else (target, source)
-    levels = _LEVELS if to_cdr else {theirs: ours for ours, theirs in _LEVELS.items()}
-    nodes: dict[str, _Node] = {
-        name: _Level(levels) if name == "level" else _node(ros2, described, ros2, described)
-        for name, described in _fields(ros2, LOG_OF_ROS2).items()
-    }
-    fields = _fields(ros1, LOG_OF_ROS1)
-    inside = _fields(ros1, "std_msgs/msg/Header")
-    of_header = tuple(_node(ros1, described, ros1, described) for described in inside.values())
-    topics = _node(ros1, fields["topics"], ros1, fields["topics"])
-    rest = tuple(name for name in fields if name not in {"header", "topics"})
-    flat_ros1 = (*of_header, *(nodes[name] for name in rest), topics)
-    names_ros1 = (*(f"header.{name}" for name in inside), *rest, "topics")
-    order = {name: number for number, name in enumerate(names_ros1)} | {"stamp": names_ros1.index("header.stamp")}
-    if to_cdr:
-        return _Structure(flat_ros1, tuple((node, order[name]) for name, node in nodes.items()))
-    back = {order[name]: number for number, name in enumerate(nodes)}
-    return _Structure(tuple(nodes.values()), tuple((node, back.get(at, -1)) for at, node in enumerate(flat_ros1)))

@@ -13,7 +13,8 @@ from rosbags.typesys.msg import normalize_msgtype
 from rosbags.typesys.store import Typestore
 
 from thbridge.ros.messages.foreign_types import register, types_in
-from thbridge.ros2.message_copies import LOG_OF_ROS1, LOG_OF_ROS2, MessageCopy
+from thbridge.ros2.copied_fields import LOG_OF_ROS1, LOG_OF_ROS2
+from thbridge.ros2.message_copies import MessageCopy
 
 DISTRIBUTION = "jazzy"
 TF_OF_TF1 = "tf/msg/tfMessage"

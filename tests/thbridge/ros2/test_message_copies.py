@@ -14,7 +14,8 @@ from rosbags.typesys.store import Typestore
 
 from thbridge.ros.messages import types
 from thbridge.ros.messages.foreign_types import register
-from thbridge.ros2.message_copies import LOG_OF_ROS1, LOG_OF_ROS2, MessageCopy
+from thbridge.ros2.copied_fields import LOG_OF_ROS1, LOG_OF_ROS2
+from thbridge.ros2.message_copies import MessageCopy
 
 FORMS = {"bool": "?", "uint8": "B", "int8": "b", "uint16": "H", "int16": "h", "uint32": "I", "int32": "i",
          "uint64": "Q", "int64": "q", "float32": "f", "float64": "d"}  # fmt: skip
