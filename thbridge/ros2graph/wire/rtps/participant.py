@@ -8,7 +8,7 @@ Source: DDSI-RTPS 2.3, section 8.5 (discovery).
 
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterator, Sequence, Set
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import TypeAlias
 
@@ -25,6 +25,7 @@ from thbridge.ros2graph.wire.rtps.discovery import (
 from thbridge.ros2graph.wire.rtps.guids import PREFIX_SIZE, Guid
 from thbridge.ros2graph.wire.rtps.outbox import Destination, Outbox, Outgoing
 from thbridge.ros2graph.wire.rtps.parameters import UdpAddress
+from thbridge.ros2graph.wire.rtps.postponed import PostponedMessage, PostponedMessages
 from thbridge.ros2graph.wire.rtps.readers import HeldBytes, OnSample, ReceivedSample, RtpsReader
 from thbridge.ros2graph.wire.rtps.submessages import (
     EPROSIMA_VENDOR,
@@ -54,8 +55,6 @@ GOODBYE_NS = 500_000_000
 """Time without a sign of life after which a participant that has said goodbye counts as gone."""
 MOST_SUBMESSAGES = 512
 """Maximum number of submessages of a datagram. Further ones are dropped, as if their datagram was lost."""
-MOST_POSTPONED, MOST_ANSWERS = 4096, 256
-"""Maximum number of heartbeats and requests that wait for their answer, and of those that are answered at a time."""
 MOST_DISPOSALS = 256
 """Number of our last disposals that are kept for slow peers."""
 TICK_NS = 25_000_000
@@ -70,9 +69,6 @@ _ANNOUNCED = QosProfile(durability=Durability.TRANSIENT_LOCAL)
 Reach: TypeAlias = Callable[[Sequence[UdpAddress], str], UdpAddress | None]
 """Function that selects one of a participant's addresses. Its second argument is the host that sent the announcement.
 None if no address can be reached."""
-
-
-_Postponed: TypeAlias = Acknowledgment | FragmentRequest | Heartbeat | HeartbeatFragment
 
 
 @dataclass(slots=True)
@@ -122,7 +118,7 @@ class RtpsParticipant:
         self._initial: list[Destination] = []
         self._announcements = 0
         self._fault: str | None = None
-        self._postponed: dict[tuple[object, ...], _Postponed] = {}
+        self._postponed = PostponedMessages()
         self._stamp_ns = 0
         self._due_ns: int | None = None
         self._peers: dict[bytes, _Peer] = {}
@@ -257,8 +253,8 @@ class RtpsParticipant:
 
     def drain(self) -> list[Outgoing]:
         """Answer heartbeats and requests, and return the datagrams that are to be sent."""
-        for key in list(islice(self._postponed, MOST_ANSWERS)):
-            self._answer(self._postponed.pop(key))
+        for message in self._postponed.take():
+            self._answer(message)
         return self.outbox.drain()
 
     def is_known_to(self, prefix: bytes, endpoint: RtpsWriter | RtpsReader) -> bool:
@@ -312,7 +308,7 @@ class RtpsParticipant:
         if isinstance(message, Acknowledgment | FragmentRequest):
             writer = self._writers.get(message.writer)
             if writer is not None and writer.knows(message.reader):
-                self._postpone(message)
+                self._postponed.add(message)
             return
         if message.writer[PREFIX_SIZE:] == guids.SPDP_WRITER:
             if isinstance(message, Data):
@@ -320,7 +316,7 @@ class RtpsParticipant:
             return
         if isinstance(message, Heartbeat | HeartbeatFragment):
             if message.writer in self._readers_of:
-                self._postpone(message)
+                self._postponed.add(message)
             return
         for reader in self._receivers(message.writer, message.reader):
             match message:
@@ -331,20 +327,7 @@ class RtpsParticipant:
                 case SampleGap():
                     reader.on_gap(message)
 
-    def _postpone(self, message: "_Postponed") -> None:
-        """Answer a submessage later. A newer one of the same endpoints replaces it, because each has the whole state.
-
-        A datagram may contain thousands of them, and an answer takes longer than reading.
-        """
-        key = (type(message), message.writer, message.reader, getattr(message, "sequence", 0))
-        before = self._postponed.get(key)
-        if before is None and len(self._postponed) >= MOST_POSTPONED:
-            return  # It is repeated by its sender.
-        if isinstance(message, Heartbeat) and isinstance(before, Heartbeat) and message.final > before.final:
-            message = replace(message, final=False)
-        self._postponed[key] = message
-
-    def _answer(self, message: "_Postponed") -> None:
+    def _answer(self, message: PostponedMessage) -> None:
         match message:
             case Acknowledgment() | FragmentRequest():
                 writer = self._writers.get(message.writer)
