@@ -3,7 +3,6 @@
 As on a ROS 1 graph, a client's message becomes a request, which the session records and processes between two ticks.
 """
 
-import logging
 from collections.abc import AsyncIterator, Callable, Iterator, Sequence
 from contextlib import asynccontextmanager
 from functools import partial
@@ -47,12 +46,9 @@ from thbridge.ros2graph.values.address import Ros2Address
 from thbridge.ros2graph.values.graph import NodeName
 from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen, CannotReach
-from thbridge.sockets.warn_once import WarnOnce
 from thbridge.study.external_nodes import ExternalNodes
 
 R = TypeVar("R")
-
-_log = logging.getLogger(__name__)
 
 
 class LiveRos2Graph:
@@ -81,7 +77,6 @@ class LiveRos2Graph:
         self._team = team
         self._requests = requests
         self._external = description.external
-        self._complaints = WarnOnce(_log)
         self._robots = [RobotNames.of(robot) for robot in range(team.size)]
         services = NodeServices(carrier, distribution)
         self._parameters = LiveNodeParameters(
@@ -107,14 +102,10 @@ class LiveRos2Graph:
         )
         offer_logger_levels(services, distribution, self._nodes[CALLER])
         self._published: set[str] = set()
-        self._topics = [
-            topic
+        self._topics = {
+            name: tuple(self._advertise(name, targets))
             for name, targets in SessionTopics(distribution, description.topics, team.size).targets.items()
-            for topic in self._advertise(name, targets)
-        ]
-        self._by_topic: dict[str, list[_TopicWriter]] = {}
-        for topic in self._topics:
-            self._by_topic.setdefault(topic.session_topic, []).append(topic)
+        }
         self._actions = [
             _RobotActions(carrier, distribution, robot, requests, partial(_make_plan, team, robot))
             for robot in range(team.size)
@@ -137,7 +128,7 @@ class LiveRos2Graph:
             if node is not None:
                 self._published.add(topic.name)
                 writer = self._carrier.publish(node, topic.name, self._distribution.message(topic.type), topic.qos)
-                yield _TopicWriter(name, topic, writer, convert)
+                yield _TopicWriter(topic, writer, convert)
 
     async def join(self) -> CannotListen | CannotReach | Sequence[str]:
         """Join the graph.
@@ -178,7 +169,7 @@ class LiveRos2Graph:
             if self._external.amcl and message.topic.name == names.TF:
                 message = message._replace(data=without_corrections(message.data))  # noqa: PLW2901
             if not message.foreign:
-                for topic in self._by_topic.get(message.topic.name, ()):
+                for topic in self._topics.get(message.topic.name, ()):
                     if topic.take(message):
                         self._unsent.add(topic)
         self._unsent = {topic for topic in self._unsent if topic.publish_kept()}
@@ -258,16 +249,10 @@ async def on_ros2_graph(
 
 
 class _TopicWriter:
-    """Publisher of one topic. Messages are converted only if there are subscriptions.
+    """Publisher of one topic. Messages are converted only if there are subscriptions."""
 
-    Attributes:
-        session_topic: name of the topic of the session.
-        writer: the publisher on the carrier.
-    """
-
-    def __init__(self, session_topic: str, topic: Ros2Topic, writer: GraphWriter, convert: Convert) -> None:
-        self.session_topic = session_topic
-        self.writer = writer
+    def __init__(self, topic: Ros2Topic, writer: GraphWriter, convert: Convert) -> None:
+        self._writer = writer
         self._convert = convert
         self._latched = topic.qos.durability is Durability.TRANSIENT_LOCAL
         self._depth = topic.qos.depth
@@ -275,9 +260,9 @@ class _TopicWriter:
 
     def take(self, message: RosMessage) -> bool:
         """Publish a message. Without subscriptions, keep it if the topic is latched; return True if it is kept."""
-        if self.writer.readers:
+        if self._writer.readers:
             self.publish_kept()
-            self.writer.write(self._convert(message))
+            self._writer.write(self._convert(message))
             return False
         if self._latched:
             self._kept = [*self._kept, message][-self._depth :]
@@ -285,10 +270,10 @@ class _TopicWriter:
 
     def publish_kept(self) -> bool:
         """Publish the kept messages if there is a subscription now; return True if they are still kept."""
-        if self._kept and self.writer.readers:
+        if self._kept and self._writer.readers:
             kept, self._kept = self._kept, []
             for message in kept:
-                self.writer.write(self._convert(message))
+                self._writer.write(self._convert(message))
         return bool(self._kept)
 
 
