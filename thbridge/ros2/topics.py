@@ -142,10 +142,13 @@ class SessionTopics:
     def _kind_of(self, topic: Topic, word: str) -> tuple[str, Convert]:
         if word == "particlecloud":
             return PARTICLE_CLOUD, _particle_cloud
-        kind = type_of_ros1(topic.msgtype)
-        if word == "cmd_vel" and self._distribution.name != "jazzy":
-            kind = TWIST_STAMPED  # Since Kilted, Nav2's velocity commands have a time stamp.
+        kind = velocity_type(self._distribution) if word == "cmd_vel" else type_of_ros1(topic.msgtype)
         return kind, converter_from_ros1(self._distribution, topic.msgtype, kind)
+
+
+def velocity_type(distribution: Distribution) -> str:
+    """Return the type of Nav2's velocity commands. Since Kilted, they have a time stamp."""
+    return TWIST if distribution.name == "jazzy" else TWIST_STAMPED
 
 
 def type_of_ros1(ros1_type: str) -> str:

@@ -37,18 +37,21 @@ from thbridge.ros2.topics import (
     SessionTopics,
     converter_to_ros1,
     type_of_ros1,
+    velocity_type,
 )
 from thbridge.ros2graph.sockets.action_server import GraphActionServer
 from thbridge.ros2graph.sockets.carrier import GraphCarrier, GraphWriter
 from thbridge.ros2graph.sockets.joining import carrier_of, find_nodes
 from thbridge.ros2graph.sockets.parameter_services import NodeServices
 from thbridge.ros2graph.values.address import Ros2Address
-from thbridge.ros2graph.values.graph import NodeName
+from thbridge.ros2graph.values.graph import EndpointRole, NodeName
 from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.study.external_nodes import ExternalNodes
 
 R = TypeVar("R")
+_LOOK_TICKS = 50
+"""Ticks between two looks for publishers of awaited types: one second."""
 
 
 class LiveRos2Graph:
@@ -114,6 +117,7 @@ class LiveRos2Graph:
         self._action_topics = {name: robot for robot, each in enumerate(self._actions) for name in each.topics}
         self._unsent: set[_TopicWriter] = set()
         self._recoveries = BegunRecoveries(team)
+        self._awaited: dict[tuple[str, str], Callable[[], None]] = {}
         for robot, named in enumerate(self._robots):
             self._subscribe_to_clients(robot, named)
             if receive_frame is not None:
@@ -163,6 +167,8 @@ class LiveRos2Graph:
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
         """Publish the messages of one tick; the clock is the first message."""
         self._requests.advance(tick)
+        if tick % _LOOK_TICKS == 0:
+            self._subscribe_to_awaited()
         self._parameters.follow(tick, self._team.parameters)
         self._services.advance()
         for message in (clock_message(tick), *messages):
@@ -191,12 +197,28 @@ class LiveRos2Graph:
             if topic.ros2 is None or self._external.has(topic.external):
                 continue
             name, node = topic.ros2
+            own = Topic(named.topic(name), topic.msgtype)
+            reader = self._nodes[named.topic(node) if node else CALLER]
             read = partial(self._requests.read, topic, robot)
-            # Drivers of robots have one of two types for velocities. A session accepts both.
-            kinds = (TWIST, TWIST_STAMPED) if topic.msgtype == types.TWIST else (type_of_ros1(topic.msgtype),)
-            for kind in kinds:
-                reader = self._nodes[named.topic(node) if node else CALLER]
-                self._receive(reader, Topic(named.topic(name), topic.msgtype), kind, read, self._requests.ask)
+            subscribe = partial(self._receive, reader, own, read=read, take=self._requests.ask)
+            if topic.msgtype == types.TWIST:
+                kind = velocity_type(self._distribution)
+                other = TWIST if kind == TWIST_STAMPED else TWIST_STAMPED
+                self._awaited[own.name, other] = partial(subscribe, kind=other)
+            else:
+                kind = type_of_ros1(topic.msgtype)
+            subscribe(kind=kind)
+
+    def _subscribe_to_awaited(self) -> None:
+        """Subscribe to velocity commands of the other type if a program publishes them.
+
+        ROS's tools (`ros2 topic echo`, `ros2 bag record`) refuse a topic that has two types.
+        """
+        for endpoint in self._carrier.endpoints() if self._awaited else ():
+            if endpoint.role is EndpointRole.PUBLISHER:
+                subscribe = self._awaited.pop((endpoint.name, endpoint.type), None)
+                if subscribe is not None:
+                    subscribe()
 
     def _subscribe_to_stations(self, robot: int, named: RobotNames, receive: Callable[[int, Frame], None]) -> None:
         topic = VehicleTopics(named).received

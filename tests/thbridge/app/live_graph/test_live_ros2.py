@@ -18,7 +18,7 @@ from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.pack import Transform
 from thbridge.ros.topics import RosMessage, Topic
 from thbridge.ros2.distribution import Distribution
-from thbridge.ros2.qos import TF
+from thbridge.ros2.qos import DEFAULT, TF
 from thbridge.ros2graph.sockets import joining
 from thbridge.ros2graph.values.graph import EndpointRole, NodeName
 from thbridge.study.external_nodes import ExternalNodes
@@ -28,12 +28,14 @@ JAZZY = Distribution.of("jazzy")
 TFMESSAGE = "tf2_msgs/msg/TFMessage"
 
 
-def session(external: ExternalNodes) -> tuple[LoopbackGraph, LiveRos2Graph]:
+def session(
+    external: ExternalNodes = ExternalNodes.NONE, distribution: Distribution = JAZZY
+) -> tuple[LoopbackGraph, LiveRos2Graph]:
     setting = read_setting(dataclasses.replace(Study(), robots=1, external_nodes=external), Path())
     graph = LoopbackGraph()
     team, publisher = build_team(setting), build_publisher(setting)
     description = build_team_description(setting, publisher)
-    return graph, LiveRos2Graph(graph.program(), JAZZY, description, team, ClientRequests(lambda *_: None))
+    return graph, LiveRos2Graph(graph.program(), distribution, description, team, ClientRequests(lambda *_: None))
 
 
 @pytest.mark.parametrize("external", ExternalNodes)
@@ -82,3 +84,22 @@ def test_nodes_of_other_programs_keep_their_topics_services_and_transforms(exter
     to_ros1 = JAZZY.to_ros1(TFMESSAGE, types.TFMESSAGE)
     parents = [[each.parent for _, each in unpack.transforms(to_ros1(message))] for message in heard]
     assert parents == [["map", "robot1/odom"] if localizes else ["robot1/odom"]] * 2
+
+
+@pytest.mark.parametrize(
+    ("distribution", "own", "other"),
+    [(JAZZY, "Twist", "TwistStamped"), (Distribution.of("kilted"), "TwistStamped", "Twist")],
+)
+def test_a_topic_has_a_second_type_only_while_clients_use_it(distribution: Distribution, own: str, other: str) -> None:
+    graph, live = session(distribution=distribution)
+    joystick = graph.program()
+
+    def offered() -> set[str]:
+        return {each.type for each in joystick.endpoints() if each.name == "/robot1/cmd_vel"}
+
+    live.take(50, [])
+    assert offered() == {f"geometry_msgs/msg/{own}"}
+    kind = f"geometry_msgs/msg/{other}"
+    joystick.publish(NodeName("/", "joystick"), "/robot1/cmd_vel", distribution.message(kind), DEFAULT)
+    live.take(100, [])
+    assert offered() == {f"geometry_msgs/msg/{own}", kind}
