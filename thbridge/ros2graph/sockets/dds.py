@@ -180,6 +180,7 @@ class DdsCarrier:
     def _receive(self, bound: socket.socket) -> None:
         now_ns, stamp_ns = self._now_ns(), self._clock()
         began_ns = before_ns = time.thread_time_ns()
+        self._shares.advance(now_ns)
         for _ in range(_AT_ONCE):
             try:
                 datagram, source = bound.recvfrom(_LARGEST_DATAGRAM)
@@ -196,7 +197,9 @@ class DdsCarrier:
             prefix = datagram[PREFIX_AT:HEADER_SIZE]
             payer = prefix if self._participant.has_peer(prefix) else _STRANGER
             if not self._shares.has_time(payer):
-                self._warn(f"datagrams from {source[0]} are dropped: there are too many")
+                self._warn(
+                    f"a program at {source[0]} sends more than this program can process; some of its messages are lost"
+                )
             else:
                 fault = self._participant.receive(datagram, source[0], now_ns, stamp_ns)
                 if fault is not None:
@@ -235,7 +238,6 @@ class DdsCarrier:
 
     def _tick(self) -> None:
         self._timer = asyncio.get_running_loop().call_later(TICK_NS / _NANO, self._tick)
-        self._shares.tick()
         self._graph.tick(self._now_ns())
         self._send()
 
