@@ -154,9 +154,11 @@ class Nav2Fleet(RemoteTeam):
             for name, kind in robot.remote.subscriptions.items():
                 self._add_receiver(robot, name, kind)
         for name, kind in TEAM_TOPICS.items():
-            self._subscribed.setdefault(name, _Subscription(Topic(name, kind), type_of_ros1(kind)))
-        for subscription in self._subscribed.values():
-            self._subscribe(subscription)
+            shared = Topic(name, kind, latched=name == names.MAP)
+            self._subscribed.setdefault(name, _Subscription(shared, type_of_ros1(kind)))
+        self._listens = False
+        if not is_time_simulated:
+            self._listen()
         self._unknown = {name for robot in self._robots for name in robot.remote.names.recorded} - {*self._subscribed}
 
     async def start(self) -> CannotListen | CannotReach | NodeTaken | None:
@@ -264,6 +266,12 @@ class Nav2Fleet(RemoteTeam):
         subscription = self._subscribed.setdefault(on_graph, _Subscription(topic, kind))
         subscription.receivers.append((remote, name))
 
+    def _listen(self) -> None:
+        """Subscribe to all topics when the time is known. Latched messages that arrived earlier would be lost."""
+        self._listens = True
+        for subscription in self._subscribed.values():
+            self._subscribe(subscription)
+
     def _subscribe(self, subscription: _Subscription) -> None:
         name, ros1_type, _ = subscription.topic
         convert = converter_to_ros1(self._distribution, subscription.kind, ros1_type)
@@ -300,7 +308,7 @@ class Nav2Fleet(RemoteTeam):
                 self._complaints.warn(
                     f"{endpoint.name}: {who} publishes {endpoint.type}, but {known.kind} was expected"
                 )
-            elif endpoint.name in self._unknown:
+            elif self._listens and endpoint.name in self._unknown:
                 self._unknown.discard(endpoint.name)
                 package, _, word = endpoint.type.split("/")
                 subscription = _Subscription(Topic(endpoint.name, f"{package}/{word}"), endpoint.type)
@@ -317,3 +325,5 @@ class Nav2Fleet(RemoteTeam):
             return
         seconds, nanoseconds = _TIME.unpack_from(data, 4)
         clock.receive(seconds * 1_000_000_000 + nanoseconds, self._wall())
+        if not self._listens:
+            self._listen()

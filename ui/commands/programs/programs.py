@@ -165,6 +165,8 @@ def simr(
     if real and robots_graph is not None:
         for setting_name in settings_without_effect(setting.study):
             note(f"{setting_name} has no effect here: it applies only to simulated robots.")
+        if graph2 is not None:
+            note(f"ROS 2: {graph2}.")
         options = SimrOptions(host, port, new_token(), 1.0, bag, key=shown)
         unreachable = partial(_unreachable, "ROS" if graph2 is None else "ROS 2")
         unfit = run(simr_with_real_robots(setting, options, robots_graph, tell_lost, unreachable, _missing))

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from sim.common.geometry import Pose2
+from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, Twist
 from sim.inputs import CancelGoal, DriveManually, KidnapRobot, PlaceRobot, SendGoal, SetPoseEstimate
 from sim.parameters import live_parameters
@@ -307,8 +308,21 @@ def test_time_comes_from_the_clock_if_requested() -> None:
     clock = lab.publish("/clock", types.CLOCK, DEFAULT)
     clock(pack.clock(100))
     lab.look()
+    lab.look()
     assert lab.fleet.missing() == []
     assert lab.fleet.step().tick == 100
+
+
+def test_latched_messages_from_before_the_first_clock_are_kept_for_the_recording() -> None:
+    lab = Lab(simulated=True)
+    grid = OccupancyGrid(np.zeros((2, 3), dtype=np.int8), 0.05, Pose2(0.0, 0.0, 0.0))
+    lab.publish("/map", types.OCCUPANCY_GRID, LATCHED)(pack.occupancy_grid(0, "map", grid))
+    static = [Transform("base_link", "laser", Pose2(0.1, 0.0, 0.0))]
+    lab.publish("/robot1/tf_static", types.TFMESSAGE, LATCHED)(pack.transforms(0, static))
+    lab.look()
+    lab.publish("/clock", types.CLOCK, DEFAULT)(pack.clock(100))
+    lab.look()
+    assert {topic.name for topic, _, _ in lab.recorder.came if topic.latched} == {"/map", "/robot1/tf_static"}
 
 
 def test_what_only_a_simulation_can_do_is_refused(lab: Lab, caplog: pytest.LogCaptureFixture) -> None:
