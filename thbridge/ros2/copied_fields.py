@@ -67,9 +67,18 @@ def copied_field(
     source: Typesdict, source_type: str, target: Typesdict, target_type: str, *, to_cdr: bool
 ) -> CopiedField:
     """Return the structure of messages of a type; see `MessageCopy` for the arguments and exceptions."""
+    source, target = (_of_ros1(source), target) if to_cdr else (source, _of_ros1(target))
     if {source_type, target_type} == {LOG_OF_ROS1, LOG_OF_ROS2}:
         return _log_field(source, target, to_cdr)
     return _structure(source, source_type, target, target_type)
+
+
+def _of_ros1(types: Typesdict) -> Typesdict:
+    """Return types of ROS 1 as they are sent. In rosbags, empty messages have a byte, which only ROS 2 sends."""
+    return {
+        name: (constants, [field for field in fields if field[0] != "structure_needs_at_least_one_member"])
+        for name, (constants, fields) in types.items()
+    }
 
 
 def _structure(source: Typesdict, source_type: str, target: Typesdict, target_type: str) -> CopiedField:

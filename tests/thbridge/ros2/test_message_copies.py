@@ -19,12 +19,15 @@ from thbridge.ros2.message_copies import MessageCopy
 
 FORMS = {"bool": "?", "uint8": "B", "int8": "b", "uint16": "H", "int16": "h", "uint32": "I", "int32": "i",
          "uint64": "Q", "int64": "q", "float32": "f", "float64": "d"}  # fmt: skip
+EMPTY = "structure_needs_at_least_one_member"
+"""Field of empty messages. It is sent in ROS 2 only."""
 OURS = types.typestore()
 NAMES = [
     *types.OWN_TYPES, *types.MAVROS_TYPES, types.TFMESSAGE, types.ODOMETRY, types.PATH, types.OCCUPANCY_GRID,
     types.LASER_SCAN, types.BATTERY_STATE, types.POSE_ARRAY, types.MARKER_ARRAY, types.POLYGON_STAMPED,
     types.MOVE_BASE_FEEDBACK, types.GOAL_STATUS_ARRAY, types.DIAGNOSTIC_ARRAY, types.STRING, types.BOOL,
     "sensor_msgs/CameraInfo", "stereo_msgs/DisparityImage", "sensor_msgs/PointCloud2", "sensor_msgs/Imu",
+    types.MOVE_BASE_RESULT, "std_msgs/Empty",
 ]  # fmt: skip
 
 
@@ -51,7 +54,8 @@ def random_message(draw: st.DrawFn, name: str, lengths: dict[str, int]) -> bytes
                     return form.pack(draw(st.floats(width=8 * form.size, allow_nan=False)))
                 return draw(st.binary(min_size=form.size, max_size=form.size))
             case (2, inner):
-                return b"".join(field(each, path + name) for name, each in OURS.fielddefs[inner][1])
+                fields = OURS.fielddefs[inner][1]
+                return b"".join(field(each, path + name) for name, each in fields if name != EMPTY)
             case (3, (element, count)):
                 return b"".join(field(element, path) for _ in range(count))
             case (4, (element, _)):
