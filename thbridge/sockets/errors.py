@@ -1,5 +1,6 @@
 """Errors of sockets, as values."""
 
+import errno
 from dataclasses import dataclass
 
 from thbridge.files.errors import reason_of
@@ -17,7 +18,13 @@ class CannotListen:
     @classmethod
     def because(cls, error: OSError | UnicodeError, host: str, port: int) -> "CannotListen":
         """Return the failure for an error of a socket."""
-        return cls(host, port, reason_of(error) if isinstance(error, OSError) else "this is not the name of a host")
+        if not isinstance(error, OSError):
+            reason = "this is not the name of a host"
+        elif error.errno == errno.EADDRNOTAVAIL:
+            reason = "this machine does not have this address"
+        else:
+            reason = reason_of(error)
+        return cls(host, port, reason)
 
     def __str__(self) -> str:
         return (

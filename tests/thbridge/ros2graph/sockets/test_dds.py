@@ -101,7 +101,11 @@ def test_calls_get_their_own_responses() -> None:
 
 @pytest.mark.parametrize(
     ("domain", "interface", "reason"),
-    [(0, "203.0.113.9", "assign"), (LARGEST_DOMAIN + 1, "127.0.0.1", "range"), (0, "localhost", "IPv4")],
+    [
+        (0, "203.0.113.9", "this machine does not have this address"),
+        (LARGEST_DOMAIN + 1, "127.0.0.1", "range"),
+        (0, "localhost", "IPv4"),
+    ],
 )
 def test_a_carrier_that_cannot_join_says_why(domain: int, interface: str, reason: str) -> None:
     failure = asyncio.run(DdsCarrier(domain, interface).start())
