@@ -81,8 +81,11 @@ def ros_rviz(
     from thbridge.ros.rviz import configuration
     from thbridge.ros2.rviz import rviz2_configuration
 
-    write, program = (rviz2_configuration, "rviz2") if ros2 else (configuration, "rviz")
-    _write_view(write, study_file, robots, map_name, to, f"Open it with: {program} -d {{to}}")
+    # Nodes of ROS 2 have this parameter each. Without it, rviz2 hides the frames of robots as too old.
+    write, command = configuration, "rviz -d {to}"
+    if ros2:
+        write, command = rviz2_configuration, "rviz2 -d {to} --ros-args -p use_sim_time:=true"
+    _write_view(write, study_file, robots, map_name, to, f"Open it with: {command}")
 
 
 def ros_foxglove(

@@ -1,4 +1,4 @@
-"""`--ros2 --carrier zenoh`: what a session needs, and what it says if this is missing."""
+"""Options for ROS 2: `--carrier zenoh` with what a session needs for it, and `rviz --ros2`."""
 
 import importlib.util
 from pathlib import Path
@@ -34,3 +34,9 @@ def test_missing_packages_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("ui.command_line.ros2.find_spec", lambda name: None if name == "zenoh" else found(name))
     told = refusal()
     assert "--carrier zenoh: eclipse-zenoh is not installed. Run: pip install 'thbridge[ros2]'" in told
+
+
+def test_rviz2_is_started_with_simulated_time() -> None:
+    done = invoke("ros", "rviz", "--ros2", "--to", "team.rviz")
+    assert "rviz2 -d team.rviz --ros-args -p use_sim_time:=true" in done.output + done.stderr
+    assert "use_sim_time" not in invoke("ros", "rviz", "--to", "team.rviz").stderr
