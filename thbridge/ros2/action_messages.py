@@ -1,5 +1,8 @@
 """Messages that all actions have in common: ids, times, poses, goal lists."""
 
+import struct
+from collections.abc import Sequence
+
 from sim.common.geometry import Pose2
 from sim.numerics import elementary
 from thbridge.ros2.actions import ActionGoalState, ActionGoalStatus, GoalInfo
@@ -7,6 +10,10 @@ from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.message_fields import GoalInfoFields, GoalStatusArrayFields, TimeFields
 
 _SECOND = 1_000_000_000
+_CDR = struct.Struct("<4sI")
+"""Header of a message in little-endian CDR, and the length of a sequence."""
+_FIRST, _LATER = struct.Struct("<16siIb"), struct.Struct("<16s3xiIb")
+"""action_msgs/GoalStatus, first in a sequence or not: id, seconds and nanoseconds of the acceptance, and the state."""
 
 
 def time_of(distribution: Distribution, ns: int) -> object:
@@ -49,6 +56,16 @@ def goal_info_of(distribution: Distribution, goal: GoalInfo) -> object:
     return distribution.make(
         "action_msgs/msg/GoalInfo", goal_id=uuid_of(distribution, goal.id), stamp=time_of(distribution, goal.stamp_ns)
     )
+
+
+def encode_statuses(statuses: Sequence[ActionGoalStatus]) -> bytes:
+    """Return an action_msgs/GoalStatusArray in CDR. It is encoded here because servers publish long lists often."""
+    goals = (
+        # Ids follow without a gap, and times begin at a multiple of 4 bytes.
+        (_LATER if number else _FIRST).pack(goal.id, *divmod(goal.stamp_ns, _SECOND), int(state))
+        for number, (goal, state) in enumerate(statuses)
+    )
+    return _CDR.pack(b"\0\1\0\0", len(statuses)) + b"".join(goals)
 
 
 def goal_info(message: GoalInfoFields) -> GoalInfo:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import cast
 
 from thbridge.ros2.action_logic import ActionLogic
-from thbridge.ros2.action_messages import goal_info, goal_info_of, time_of, uuid_of
+from thbridge.ros2.action_messages import encode_statuses, goal_info, goal_info_of, time_of, uuid_of
 from thbridge.ros2.actions import ActionResult, CancelAnswer, CancelCode
 from thbridge.ros2.distribution import Distribution
 from thbridge.ros2.message_fields import CancelRequestFields, GetResultRequestFields, SendGoalRequestFields
@@ -56,7 +56,10 @@ class GraphActionServer:
         self._status = carrier.publish(node, f"{name}/_action/status", types.status, LATCHED)
 
     def publish(self) -> None:
-        """Publish new feedback, and the status list if a goal has changed. Call this after each tick."""
+        """Publish new feedback, and the status list if a goal has changed. Call this after each tick.
+
+        The list is not published with each request, because it has all goals, and clients may send many requests.
+        """
         for goal_id, feedback in self._logic.take_feedback():
             goal_uuid = uuid_of(self._distribution, goal_id)
             name = self._types.feedback.name
@@ -64,13 +67,7 @@ class GraphActionServer:
         goals = self._logic.goals
         if goals.changed:
             goals.changed = False
-            statuses = [
-                self._distribution.make(
-                    "action_msgs/msg/GoalStatus", goal_info=goal_info_of(self._distribution, goal), status=int(state)
-                )
-                for goal, state in goals.statuses
-            ]
-            self._status.write(self._distribution.encoded(self._types.status.name, status_list=statuses))
+            self._status.write(encode_statuses(goals.statuses))
 
     # Services
 
@@ -84,7 +81,6 @@ class GraphActionServer:
             accepted = self._logic.receive_goal(request.goal_id.uuid.tobytes(), request.goal, client)
         stamp = time_of(self._distribution, accepted or 0)
         self._respond(reply, service, accepted=accepted is not None, stamp=stamp)
-        self.publish()
 
     def _receive_cancel(self, data: bytes, gid: bytes, reply: Reply) -> None:
         service, client = self._types.cancel_goal, self._carrier.node_of(gid)
@@ -96,7 +92,6 @@ class GraphActionServer:
             answer = self._logic.receive_cancel(*goal_info(request.goal_info), client)
         goals = [goal_info_of(self._distribution, goal) for goal in answer.goals]
         self._respond(reply, service, return_code=int(answer.code), goals_canceling=goals)
-        self.publish()
 
     def _receive_result_request(self, data: bytes, gid: bytes, reply: Reply) -> None:
         service, client = self._types.get_result, self._carrier.node_of(gid)
