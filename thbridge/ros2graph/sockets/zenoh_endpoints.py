@@ -36,6 +36,8 @@ _CALL_SECONDS = 24 * 3600
 _PAUSE_SECONDS = 0.002
 """Seconds that a thread of zenoh waits after a message or request that was dropped. So floods leave processor time for
 the event loop, because Python runs one thread at a time."""
+_MOST_WAITING = 64
+"""Maximum number of requests of a service that wait for the event loop."""
 _MOST_OPEN = 256
 """Maximum number of requests of a service that wait for the event loop, or for their response."""
 
@@ -188,7 +190,7 @@ def serve(link: ZenohLink, keys: EndpointKeys, on_request: OnRequest) -> None:
     def begin(item: tuple[bytes, _Response]) -> None:
         on_request(item[0], item[1].client, item[1])
 
-    pending = LastItems(_MOST_OPEN, link.wake, begin)
+    pending = LastItems(_MOST_WAITING, link.wake, begin)
 
     def take(query: zenoh.Query) -> None:
         attachment = _attachment(query.attachment, keys.data)
@@ -200,7 +202,7 @@ def serve(link: ZenohLink, keys: EndpointKeys, on_request: OnRequest) -> None:
             response = _Response(link, keys.data, attachment, query, places)
             fits = pending.push((request, response), len(request))
         if not fits:
-            _warnings.warn(f"{keys.data}: more than {_MOST_OPEN} requests wait; further ones are refused")
+            _warnings.warn(f"{keys.data}: too many requests wait; further ones are refused")
             time.sleep(_PAUSE_SECONDS)
 
     def declare(session: zenoh.Session) -> None:

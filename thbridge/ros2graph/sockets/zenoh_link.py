@@ -2,6 +2,8 @@
 
 import asyncio
 import logging
+import time
+from collections import deque
 from collections.abc import Callable
 
 import zenoh
@@ -16,6 +18,10 @@ _log = logging.getLogger(__name__)
 _CONNECT_SECONDS = 5.0
 """Seconds that a router has to accept a connection, and then the session."""
 _POLL_SECONDS = 0.02
+_BUSY_SECONDS = 0.002
+_REST_SECONDS = 0.002
+"""Seconds for which the event loop handles what has arrived, and for which it then does other work, such as ticks. So
+floods take at most about half of its time."""
 _STOP_SECONDS = 5.0
 """Seconds that zenoh has to end the session."""
 _REMEDY = "Start one with `thbridge ros2 router` or `ros2 run rmw_zenoh_cpp rmw_zenohd`, or name another address"
@@ -38,6 +44,8 @@ class ZenohLink:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._tokens: dict[str, zenoh.LivelinessToken] = {}
         self._declared: list[object] = []
+        self._woken: deque[Job] = deque()
+        self._runs = False
 
     async def open(self) -> CannotReach | None:
         """Connect, and make the calls that are posted. Return the reason if there is no router."""
@@ -87,9 +95,26 @@ class ZenohLink:
 
     def wake(self, job: Job) -> None:
         """Make a call on the event loop. Any thread may ask for this. After the end, nothing happens."""
+        self._woken.append(job)
+        self._run_soon()
+
+    def _run_soon(self) -> None:
+        # If two threads come here at once, the second call finds nothing to do.
         loop = self._loop
-        if loop is not None:
-            loop.call_soon_threadsafe(lambda: None if self._loop is None else job())
+        if loop is not None and not self._runs:
+            self._runs = True
+            loop.call_soon_threadsafe(self._run)
+
+    def _run(self) -> None:
+        end = time.monotonic() + _BUSY_SECONDS
+        while self._woken and self._loop is not None:
+            if time.monotonic() > end:
+                self._loop.call_later(_REST_SECONDS, self._run)
+                return
+            self._woken.popleft()()
+        self._runs = False
+        if self._woken:  # A thread has added a job meanwhile.
+            self._run_soon()
 
     def keep(self, declared: object) -> None:
         """Keep a declared object until the end; otherwise, zenoh withdraws the declaration."""

@@ -16,6 +16,10 @@ Setting: TypeAlias = "bool | int | str | list[str] | dict[str, Setting]"
 _LONGEST_MESSAGE = 32 << 20
 """Maximum number of bytes of a received message. zenoh's default is 1 GiB."""
 
+_CLOSE_MICROSECONDS = 500_000
+"""Microseconds that a response waits for a client that reads nothing; then its connection is closed. zenoh's default is
+5 s, and meanwhile few other responses could be sent."""
+
 
 def peer_settings(session: str, router: Address) -> zenoh.Config:
     """Return the settings of a node's session with this id. It listens on this machine only.
@@ -56,7 +60,12 @@ def _config(settings: dict[str, Setting]) -> zenoh.Config:
         },
         # Caches of latched topics work only with time stamps.
         "timestamping": {"enabled": True},
-        "transport": {"link": {"rx": {"max_message_size": _LONGEST_MESSAGE}}},
+        "transport": {
+            "link": {
+                "rx": {"max_message_size": _LONGEST_MESSAGE},
+                "tx": {"queue": {"congestion_control": {"block": {"wait_before_close": _CLOSE_MICROSECONDS}}}},
+            }
+        },
     }
     return zenoh.Config.from_json5(json.dumps(common | settings))
 
