@@ -2,6 +2,7 @@
 
 import logging
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -15,6 +16,13 @@ MOST_BYTES = 64 << 20
 """Maximum number of bytes that wait in a queue."""
 _MOST_CLIENTS = 16
 """Maximum number of clients for which calls wait at the same time."""
+_PROMPT_CLIENTS = 4
+"""The same for prompt clients."""
+_QUICK_CALLS = 2
+"""Number of quick calls in a row after which a client is prompt."""
+_QUICK_SECONDS = 0.1
+_MOST_KNOWN = 4096
+"""Maximum number of clients whose quick calls are counted."""
 
 Job: TypeAlias = Callable[[], None]
 _Item = TypeVar("_Item")
@@ -100,11 +108,14 @@ class CallThread:
 class ClientThreads:
     """Threads for calls that wait for clients. Calls for the same client are made one after the other.
 
-    So a client that does not read delays no other client, as long as there are not too many such clients.
+    So a client that does not read delays no other client, as long as there are not too many such clients. Clients whose
+    last calls took no time have some threads of their own, because hostile clients may invent any number of names.
     """
 
     def __init__(self, name: str) -> None:
-        self._pool = ThreadPoolExecutor(_MOST_CLIENTS, name)
+        self._others = ThreadPoolExecutor(_MOST_CLIENTS, name)
+        self._prompt = ThreadPoolExecutor(_PROMPT_CLIENTS, f"{name}, prompt")
+        self._quick_calls: dict[bytes, int] = {}
         self._waiting: dict[bytes, deque[tuple[Job, int]]] = {}
         self._bytes = 0
         self._lock = threading.RLock()  # Garbage collection may post a call at any time.
@@ -119,21 +130,29 @@ class ClientThreads:
             jobs.append((job, size))
             if len(jobs) == 1:
                 with suppress(RuntimeError):  # It has ended.
-                    self._pool.submit(self._run, client, jobs)
+                    is_prompt = self._quick_calls.get(client, 0) >= _QUICK_CALLS
+                    (self._prompt if is_prompt else self._others).submit(self._run, client, jobs)
         return True
 
     def end(self) -> None:
         """Make no further calls."""
-        self._pool.shutdown(wait=False, cancel_futures=True)
+        for pool in (self._others, self._prompt):
+            pool.shutdown(wait=False, cancel_futures=True)
 
     def _run(self, client: bytes, jobs: deque[tuple[Job, int]]) -> None:
         while True:
             job, size = jobs[0]
+            began = time.monotonic()
             try:
                 job()
             except Exception:
                 _log.exception("a call failed")
             with self._lock:
+                quick_calls = self._quick_calls.pop(client, 0)
+                if time.monotonic() < began + _QUICK_SECONDS:
+                    self._quick_calls[client] = quick_calls + 1
+                    if len(self._quick_calls) > _MOST_KNOWN:
+                        del self._quick_calls[next(iter(self._quick_calls))]
                 self._bytes -= size
                 jobs.popleft()
                 if not jobs:

@@ -193,14 +193,18 @@ def serve(link: ZenohLink, keys: EndpointKeys, on_request: OnRequest) -> None:
     pending = LastItems(_MOST_WAITING, link.wake, begin)
 
     def take(query: zenoh.Query) -> None:
+        # The end of a request waits for its client. On this thread, all other clients would wait, too.
         attachment = _attachment(query.attachment, keys.data)
         if attachment is None or query.payload is None:
+            link.reply(b"", query.drop)
             return
         request = query.payload.to_bytes()
         fits = places.acquire(blocking=False)
         if fits:
             response = _Response(link, keys.data, attachment, query, places)
             fits = pending.push((request, response), len(request))
+        else:
+            link.reply(attachment.gid, query.drop)
         if not fits:
             _warnings.warn(f"{keys.data}: too many requests wait; further ones are refused")
             time.sleep(_PAUSE_SECONDS)

@@ -4,6 +4,7 @@ Source: rmw_zenoh, DEFAULT_RMW_ZENOH_SESSION_CONFIG.json5 and DEFAULT_RMW_ZENOH_
 """
 
 import json
+import os
 from typing import TypeAlias
 
 import zenoh
@@ -12,6 +13,10 @@ from thbridge.sockets.addresses import LOCALHOST, Address
 from thbridge.sockets.admission import is_own
 
 Setting: TypeAlias = "bool | int | str | list[str] | dict[str, Setting]"
+
+# zenoh reads this when it opens its first session. By default, 2 threads receive for all connections, so 2 programs
+# that send without end would delay all others.
+os.environ.setdefault("ZENOH_RUNTIME", "(rx: (worker_threads: 16))")
 
 _LONGEST_MESSAGE = 32 << 20
 """Maximum number of bytes of a received message. zenoh's default is 1 GiB."""
