@@ -408,6 +408,7 @@ def test_real_robots_are_not_simulated_and_not_hurried() -> None:
             assert f"this study is for real robots, but `{command}` simulates them" in refusal(command, "study.yaml")
     assert "--carrier requires a ROS 2 graph" in refusal("simr", "--robots-from", "ros", "--carrier", "dds")
     assert "--carrier requires a ROS 2 graph" in refusal("play", "--headless", "--carrier", "zenoh")
+    assert "--ros2-domain requires a ROS 2 graph" in refusal("play", "--headless", "--ros2-domain", "42")
     Path("study.yaml").write_text("robots: 1\nrobots_from: ros\nfleet: {robot: {namespace: ''}}\n")
     assert "/odom is both odom of robot 1 and odom of robot 2" in refusal(
         "simr", "--study", "study.yaml", "--robots", "2"

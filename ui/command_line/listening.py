@@ -1,6 +1,7 @@
 """Addresses of a session in addition to its text server: ROS graph, researchers' windows, ground stations."""
 
 import dataclasses
+import os
 from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
@@ -38,6 +39,9 @@ def ros2_of(study: Study, options: Ros2Options) -> Ros2Address | None:
     if not options.join_ros2:
         if options.carrier is not None:
             fail(BAD_INPUT, "--carrier requires a ROS 2 graph. Add --ros2, or omit --carrier.")
+        # A domain from the environment is meant for all programs.
+        if options.ros2_domain is not None and str(options.ros2_domain) != os.environ.get("ROS_DOMAIN_ID"):
+            fail(BAD_INPUT, "--ros2-domain requires a ROS 2 graph. Add --ros2, or omit --ros2-domain.")
         return None
     address = study.ros2.address
     domain = address.domain if options.ros2_domain is None else options.ros2_domain
