@@ -1,11 +1,10 @@
-"""The hunts of the pictures begin: one in a participant's window, and one with a wizard for the researcher."""
+"""The hunts of the pictures begin: one for a participant, and one with a wizard for the researcher."""
 
 import importlib
 from collections.abc import Callable
 from types import ModuleType
 
 import pytest
-from PySide6.QtWidgets import QApplication
 
 from tests.support.project import ROOT
 
@@ -19,13 +18,9 @@ def drawing(monkeypatch: pytest.MonkeyPatch) -> Import:
     return importlib.import_module
 
 
-def test_a_window_shows_a_hunt(drawing: Import, qapp: QApplication) -> None:
-    (shot,) = drawing("pictured.participant").consent()
-    assert shot.name == "consent"
-    picture = drawing("windows").grabbed(shot)
-    assert picture.size == (1200, 800)
-    assert len(picture.getcolors(picture.width * picture.height)) > 10
-    shot.window.close()
+def test_a_hunt_begins_for_a_participant(drawing: Import) -> None:
+    hunt = drawing("pictured.hunt").PicturedHunt(drawing("pictured.participant").STANDARD)
+    assert len(hunt.screen.cards) == hunt.screen.cards[-1].robot + 1
 
 
 def test_a_hunt_is_played_for_the_researcher(drawing: Import) -> None:

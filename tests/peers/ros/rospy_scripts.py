@@ -88,11 +88,15 @@ print(json.dumps(found))
 """
 
 LOCALIZED = """
-import json, sys
+import json, queue, sys
 import rospy
 from geometry_msgs.msg import PoseWithCovarianceStamped
 
 rospy.init_node("localized")
+poses = queue.Queue()
+# The robot soon notices that the pose is wrong, so no message may be missed.
+rospy.Subscriber("/robot1/amcl_pose", PoseWithCovarianceStamped, poses.put)
+poses.get(timeout=60)
 out = rospy.Publisher("/robot1/initialpose", PoseWithCovarianceStamped, queue_size=1)
 while out.get_num_connections() == 0:
     rospy.sleep(0.05)
@@ -104,10 +108,9 @@ message.pose.pose.orientation.w = 1.0
 message.pose.covariance = [0.01 if i in (0, 7, 35) else 0.0 for i in range(36)]
 out.publish(message)
 while True:
-    pose = rospy.wait_for_message("/robot1/amcl_pose", PoseWithCovarianceStamped, 60).pose.pose.position
+    pose = poses.get(timeout=60).pose.pose.position
     if abs(pose.x - x) < 0.5 and abs(pose.y - y) < 0.5:
         break
-    rospy.wait_for_message("/robot1/odom", rospy.AnyMsg, 60)
 print(json.dumps([pose.x, pose.y]))
 """
 
