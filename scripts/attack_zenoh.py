@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from typing import Self
 
 import zenoh
 from attack_ros2 import HOST, HonestNode
@@ -41,7 +42,7 @@ class HostileSession:
     """
 
     def __init__(self, domain: int, router: int) -> None:
-        self.domain = domain
+        self.domain, self.router = domain, router
         self.id = f"{secrets.randbits(128) | 1 << 127:x}"
         self.zenoh = zenoh.open(peer_settings(self.id, Address(HOST, router)))
         self._graph = AnnouncedGraph(self.id)
@@ -52,6 +53,13 @@ class HostileSession:
         end = time.monotonic() + 10.0
         while len(self.keys(*EndpointRole)) < _MANY and time.monotonic() < end:
             time.sleep(0.01)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the session, which would otherwise receive the announcements of the next attacks."""
+        self.zenoh.close()
 
     def keys(self, *roles: EndpointRole) -> list[str]:
         """Return the keys of all messages of endpoints with these roles, in a fixed order."""
@@ -83,6 +91,12 @@ class HostileSession:
                 self._graph.add(str(sample.key_expr))
 
 
+def attack(run: Callable[[HostileSession], tuple[int, int]], domain: int, router: int) -> tuple[int, int]:
+    """Run an attack with a session of its own."""
+    with HostileSession(domain, router) as foe:
+        return run(foe)
+
+
 def _attachment(number: int = 1) -> bytes:
     return Attachment(number, time.time_ns(), os.urandom(16)).write()
 
@@ -99,9 +113,9 @@ def _claims() -> Sequence[bytes]:
     return [*counts, b"", b"\x00", b"\xff" * 4, b"\x00\x01\x00\x00", b"\x00\x07\x00\x00" + bytes(60)]
 
 
-def wrong_messages(domain: int, router: int, seed: int, count: int) -> tuple[int, int]:
+def wrong_messages(foe: HostileSession, seed: int, count: int) -> tuple[int, int]:
     """Send random, damaged and empty messages with right and wrong attachments to all topics and services."""
-    draws, foe, claims = random.Random(seed), HostileSession(domain, router), _claims()
+    draws, claims = random.Random(seed), _claims()
     topics = foe.keys(EndpointRole.SUBSCRIPTION)
     services = foe.keys(EndpointRole.SERVER)
     for number in range(count):
@@ -116,9 +130,8 @@ def wrong_messages(domain: int, router: int, seed: int, count: int) -> tuple[int
     return 2 * count, 0
 
 
-def huge_messages(domain: int, router: int, megabytes: int, count: int) -> tuple[int, int]:
+def huge_messages(foe: HostileSession, megabytes: int, count: int) -> tuple[int, int]:
     """Send messages and requests of many megabytes to all topics and services."""
-    foe = HostileSession(domain, router)
     message = b"\x00\x01\x00\x00" + struct.pack("<I", megabytes << 20) + bytes((megabytes << 20) - 100)
     for number in range(count):
         for keys, send in (
@@ -129,21 +142,20 @@ def huge_messages(domain: int, router: int, megabytes: int, count: int) -> tuple
     return 2 * count, 0
 
 
-def wildcards(domain: int, router: int, count: int) -> tuple[int, int]:
+def wildcards(foe: HostileSession, count: int) -> tuple[int, int]:
     """Send messages, requests and announcements whose keys match all topics and services."""
-    foe = HostileSession(domain, router)
-    tokens = [foe.zenoh.liveliness().declare_token(key) for key in (f"@ros2_lv/{domain}/**", "@ros2_lv/**")]
+    tokens = [foe.zenoh.liveliness().declare_token(key) for key in (f"@ros2_lv/{foe.domain}/**", "@ros2_lv/**")]
     for number in range(count):
-        for key in ("**", f"{domain}/**", f"{domain}/robot1/*/*/*"):
+        for key in ("**", f"{foe.domain}/**", f"{foe.domain}/robot1/*/*/*"):
             foe.zenoh.put(key, b"\x00\x01\x00\x00" + bytes(60), attachment=_attachment(number))
             foe.zenoh.delete(key, attachment=_attachment(number))
             foe.call(key, b"\x00\x01\x00\x00" + bytes(60), _attachment(number), lambda reply: None)
     return 9 * count + len(tokens), 0
 
 
-def message_flood(domain: int, router: int, seconds: float) -> tuple[int, int]:
+def message_flood(foe: HostileSession, seconds: float) -> tuple[int, int]:
     """Send velocity commands and pose estimates to both robots as fast as the session reads."""
-    foe, types = HostileSession(domain, router), Distribution.of("jazzy")
+    types = Distribution.of("jazzy")
     publishers = []
     for name, kind in (("cmd_vel", _TWIST), ("initialpose", "geometry_msgs/msg/PoseWithCovarianceStamped")):
         message = types.encode(kind, types.make(kind))
@@ -158,9 +170,9 @@ def message_flood(domain: int, router: int, seconds: float) -> tuple[int, int]:
     return count, 0
 
 
-def request_flood(domain: int, router: int, seconds: float) -> tuple[int, int]:
+def request_flood(foe: HostileSession, seconds: float) -> tuple[int, int]:
     """Send goals and requests to many services as fast as the session reads, and never read the responses."""
-    foe, types = HostileSession(domain, router), Distribution.of("jazzy")
+    types = Distribution.of("jazzy")
     goal = types.action(_GOAL).send_goal
     calls = [(foe.key("/robot1/navigate_to_pose/_action/send_goal", MessageSupport(goal.name, goal.hash)), goal)]
     for name, kind in (
@@ -180,7 +192,6 @@ def request_flood(domain: int, router: int, seconds: float) -> tuple[int, int]:
             foe.call(key, fresh, _attachment(count), partial(_wait, released))
             count += 1
     released.set()
-    foe.zenoh.close()
     return count, 0
 
 
@@ -200,26 +211,26 @@ def silent_subscribers(domain: int, router: int, sessions: int, seconds: float) 
     return len(kept), 0
 
 
-def invented_endpoints(domain: int, router: int, count: int) -> tuple[int, int]:
+def invented_endpoints(foe: HostileSession, count: int) -> tuple[int, int]:
     """Announce invalid and invented endpoints, and the session's nodes.
 
     Returns:
         The number of announcements, and 1 if a new node cannot join then.
     """
-    foe, names = HostileSession(domain, router), SessionKeys(domain, "abc")
+    names = SessionKeys(foe.domain, "abc")
     tokens, support = [], Distribution.of("jazzy").message(_TWIST)
     for number in range(count):
         node = NodeName("/robot1", "amcl") if number % 2 else NodeName("/", f"invented{number}")
         role, topic = [*EndpointRole][number % 4], "/robot1/cmd_vel"
         keys = names.endpoint(number, number, node, role, topic, support.dds_name, support.hash, SERVICES)
-        key = keys.liveliness if number % 3 else f"@ros2_lv/{domain}/{number}/{'x' * (1 + number % 400)}"
+        key = keys.liveliness if number % 3 else f"@ros2_lv/{foe.domain}/{number}/{'x' * (1 + number % 400)}"
         tokens.append(foe.zenoh.liveliness().declare_token(key))
-    return len(tokens), _newcomer_fails(domain, router)
+    return len(tokens), _newcomer_fails(foe.domain, foe.router)
 
 
-def short_announcements(domain: int, router: int, count: int) -> tuple[int, int]:
+def short_announcements(foe: HostileSession, count: int) -> tuple[int, int]:
     """Announce endpoints, and withdraw them at once."""
-    foe, names = HostileSession(domain, router), SessionKeys(domain, "abc")
+    names = SessionKeys(foe.domain, "abc")
     support = Distribution.of("jazzy").message(_TWIST)
     for number in range(count):
         topic, role = "/robot1/cmd_vel", EndpointRole.PUBLISHER
@@ -270,14 +281,23 @@ def attacks_on_zenoh(
     """Yield attacks with their names, each for one or more processes. Each returns the number of tries, and 1 if a new
     node could not join then."""
     at = domain, router
-    yield "zenoh: wrong messages and requests", [partial(wrong_messages, *at, 1, 2000 * scale)]
-    yield "zenoh: messages of 30 megabytes", [partial(huge_messages, *at, 30, 5 * scale)]
-    yield "zenoh: messages of 40 megabytes", [partial(huge_messages, *at, 40, 2 * scale)]
-    yield "zenoh: keys with wildcards", [partial(wildcards, *at, 100 * scale)]
-    yield "zenoh: messages without end", [partial(message_flood, *at, 4.0 * scale)] * 3
-    yield "zenoh: requests without end", [partial(request_flood, *at, 4.0 * scale)] * 3
+    yield (
+        "zenoh: wrong messages and requests",
+        [partial(attack, partial(wrong_messages, seed=1, count=2000 * scale), *at)],
+    )
+    yield (
+        "zenoh: messages of 30 megabytes",
+        [partial(attack, partial(huge_messages, megabytes=30, count=5 * scale), *at)],
+    )
+    yield (
+        "zenoh: messages of 40 megabytes",
+        [partial(attack, partial(huge_messages, megabytes=40, count=2 * scale), *at)],
+    )
+    yield "zenoh: keys with wildcards", [partial(attack, partial(wildcards, count=100 * scale), *at)]
+    yield "zenoh: messages without end", [partial(attack, partial(message_flood, seconds=4.0 * scale), *at)] * 3
+    yield "zenoh: requests without end", [partial(attack, partial(request_flood, seconds=4.0 * scale), *at)] * 3
     yield "zenoh: subscribers that read nothing", [partial(silent_subscribers, *at, 4, 8.0)]
-    yield "zenoh: invented endpoints", [partial(invented_endpoints, *at, 20_000 * scale)]
-    yield "zenoh: short announcements", [partial(short_announcements, *at, 5000 * scale)]
-    yield "zenoh: many sessions", [partial(many_sessions, *at, 100 * scale)]
+    yield "zenoh: invented endpoints", [partial(attack, partial(invented_endpoints, count=5000 * scale), *at)]
+    yield "zenoh: short announcements", [partial(attack, partial(short_announcements, count=5000 * scale), *at)]
+    yield "zenoh: many sessions", [partial(many_sessions, *at, 40)]  # Each connects to all others.
     yield "zenoh: noise", [partial(noise, router, 1, 500 * scale)]

@@ -20,7 +20,7 @@ _PROMPT_CLIENTS = 4
 """The same for prompt clients."""
 _QUICK_CALLS = 2
 """Number of quick calls in a row after which a client is prompt."""
-_QUICK_SECONDS = 0.1
+_QUICK_SECONDS = 1.0
 _MOST_KNOWN = 4096
 """Maximum number of clients whose quick calls are counted."""
 
@@ -31,9 +31,12 @@ _Item = TypeVar("_Item")
 class LastItems(Generic[_Item]):
     """Queue that keeps the last items for a consumer on another thread. Any thread may add items.
 
+    At most one call of the consumer is pending. So several queues with the same thread take turns, and a full queue
+    does not delay the others.
+
     Args:
         depth: maximum number of items.
-        wake: function that calls its argument on the consumer's thread. At most `depth` calls are pending.
+        wake: function that calls its argument on the consumer's thread, after the calls that are already pending.
         consume: consumer of one item.
     """
 
@@ -43,7 +46,7 @@ class LastItems(Generic[_Item]):
         self._consume = consume
         self._items: deque[tuple[_Item, int]] = deque()
         self._bytes = 0
-        self._calls = 0
+        self._is_awake = False
         self._lock = threading.Lock()
         self.dropped = 0
 
@@ -56,20 +59,19 @@ class LastItems(Generic[_Item]):
                 self.dropped += 1
             self._items.append((item, size))
             self._bytes += size
-            calls = self._calls < len(self._items)
-            self._calls += calls
+            wakes, self._is_awake = not self._is_awake, True
             fits = self.dropped == before
-        if calls:
+        if wakes:
             self._wake(self._next)
         return fits
 
     def _next(self) -> None:
         with self._lock:
-            self._calls -= 1
-            if not self._items:
-                return
             item, size = self._items.popleft()
             self._bytes -= size
+            remains = self._is_awake = bool(self._items)
+        if remains:
+            self._wake(self._next)
         self._consume(item)
 
 
@@ -121,16 +123,19 @@ class ClientThreads:
         self._lock = threading.RLock()  # Garbage collection may post a call at any time.
 
     def post(self, client: bytes, job: Job, size: int) -> bool:
-        """Make a call that keeps a number of bytes. If too many bytes wait, do nothing, and return False."""
+        """Make a call that keeps a number of bytes.
+
+        Return False, and do nothing, if the client is not prompt and too many bytes wait already.
+        """
         with self._lock:
-            if size and self._bytes + size > MOST_BYTES:
+            is_prompt = self._quick_calls.get(client, 0) >= _QUICK_CALLS
+            if size and not is_prompt and self._bytes + size > MOST_BYTES:
                 return False
             self._bytes += size
             jobs = self._waiting.setdefault(client, deque())
             jobs.append((job, size))
             if len(jobs) == 1:
                 with suppress(RuntimeError):  # It has ended.
-                    is_prompt = self._quick_calls.get(client, 0) >= _QUICK_CALLS
                     (self._prompt if is_prompt else self._others).submit(self._run, client, jobs)
         return True
 

@@ -36,7 +36,7 @@ _CALL_SECONDS = 24 * 3600
 _PAUSE_SECONDS = 0.002
 """Seconds that a thread of zenoh waits after a message or request that was dropped. So floods leave processor time for
 the event loop, because Python runs one thread at a time."""
-_MOST_WAITING = 64
+_MOST_WAITING = 32
 """Maximum number of requests of a service that wait for the event loop."""
 _MOST_OPEN = 256
 """Maximum number of requests of a service that wait for the event loop, or for their response."""

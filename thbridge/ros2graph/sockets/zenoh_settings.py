@@ -21,9 +21,13 @@ os.environ.setdefault("ZENOH_RUNTIME", "(rx: (worker_threads: 16))")
 _LONGEST_MESSAGE = 32 << 20
 """Maximum number of bytes of a received message. zenoh's default is 1 GiB."""
 
-_CLOSE_MICROSECONDS = 500_000
-"""Microseconds that a response waits for a client that reads nothing; then its connection is closed. zenoh's default is
-5 s, and meanwhile few other responses could be sent."""
+_QUEUE: dict[str, Setting] = {
+    "size": {"data_low": 16},
+    "congestion_control": {"drop": {"wait_before_drop": 0, "max_wait_before_drop_fragments": 5000}},
+}
+"""Queue of messages for a peer: more batches (of 64 kB) than zenoh's 2, and shorter waits (in microseconds) for a peer
+that reads nothing. zenoh waits 1 ms for a message, and 50 ms for a long one, which would delay all topics by seconds.
+"""
 
 
 def peer_settings(session: str, router: Address) -> zenoh.Config:
@@ -65,12 +69,7 @@ def _config(settings: dict[str, Setting]) -> zenoh.Config:
         },
         # Caches of latched topics work only with time stamps.
         "timestamping": {"enabled": True},
-        "transport": {
-            "link": {
-                "rx": {"max_message_size": _LONGEST_MESSAGE},
-                "tx": {"queue": {"congestion_control": {"block": {"wait_before_close": _CLOSE_MICROSECONDS}}}},
-            }
-        },
+        "transport": {"link": {"rx": {"max_message_size": _LONGEST_MESSAGE}, "tx": {"queue": _QUEUE}}},
     }
     return zenoh.Config.from_json5(json.dumps(common | settings))
 
