@@ -4,6 +4,7 @@ import asyncio
 import json
 import logging
 import threading
+from contextlib import suppress
 
 import pytest
 import zenoh
@@ -120,10 +121,13 @@ def test_a_client_that_does_not_read_its_responses_delays_nobody():
             waits = Callback(lambda sample: released.wait() and None, indirect=False)
             subscribed = hostile.declare_subscriber(KEY, waits)
             key = data_key(DOMAIN, "/add", ADD.dds_name, ADD.hash)
-            while len(served) < 200:
-                valid = Attachment(len(served), 1, bytes(16)).write()
+            while len(served) < 200:  # More than 256 would leave no place for the honest client.
+                number = len(served)
+                valid = Attachment(number, 1, bytes(16)).write()
                 hostile.get(key, waits, target=zenoh.QueryTarget.ALL_COMPLETE, payload=b"", attachment=valid)
-                await asyncio.sleep(0)
+                with suppress(TimeoutError):  # The first requests come before zenoh knows the way.
+                    async with asyncio.timeout(0.2):
+                        await until(lambda number=number: len(served) > number)
             # zenoh waits 5 s for a client before it closes the connection.
             async with asyncio.timeout(3.0):
                 for number in range(30):
