@@ -159,10 +159,11 @@ def test_pieces_join_without_a_seam(bag: Path, folder: Path, tmp_path: Path, mon
 
 def test_few_files_are_open_however_many_tables_there_are(bag: Path, folder: Path, tmp_path: Path) -> None:
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    lowest = os.dup(0)
-    os.close(lowest)
-    # A bag, a table, two temporary files, and what libraries want beside.
-    resource.setrlimit(resource.RLIMIT_NOFILE, (lowest + 8, hard))
+    # A bag, a table, two temporary files, and what libraries want beside; files of other tests may lie in between.
+    free = [os.dup(0) for _ in range(8)]
+    for number in free:
+        os.close(number)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(free) + 1, hard))
     try:
         export_bag(bag, tmp_path / "few", BOTH)
     finally:
