@@ -175,16 +175,15 @@ def encode_fragments(
     fragments = []
     for at in range(0, len(payload), size):
         piece = payload[at : at + size]
-        # Only the first fragment has inline quality of service, as Fast DDS and Cyclone DDS send it.
-        before = b"" if at else inline
+        # Each fragment has the inline quality of service: Fast DDS reads that of the fragment that arrives first.
         padding = bytes(-len(piece) % 4)
         head = _FRAGMENT_HEAD.pack(
             *(_INFO_TS, 1, 8, *_ntp(stamp_ns)),
-            *(_DATA_FRAG, 1 | (2 if before else 0), 32 + len(before) + len(piece) + len(padding)),
+            *(_DATA_FRAG, 1 | (2 if inline else 0), 32 + len(inline) + len(piece) + len(padding)),
             *(0, 28, UNKNOWN, writer, sequence >> 32, sequence & 0xFFFFFFFF),
             *(at // size + 1, 1, size, len(payload)),
         )
-        fragments.append(b"".join((head, before, piece, padding)))
+        fragments.append(b"".join((head, inline, piece, padding)))
     return fragments
 
 

@@ -1,6 +1,8 @@
 """Participants of RTPS find each other and exchange samples, also over networks that lose and reorder datagrams."""
 
 import struct
+from collections.abc import Sequence
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -11,6 +13,7 @@ from thbridge.ros2.qos import DEFAULT, LATCHED, SENSOR_DATA, QosProfile
 from thbridge.ros2graph.values.graph import NodeName
 from thbridge.ros2graph.wire.rtps import participant as limits
 from thbridge.ros2graph.wire.rtps import readers
+from thbridge.ros2graph.wire.rtps.correlation import related, related_request
 from thbridge.ros2graph.wire.rtps.dds_graph import DdsGraph
 from thbridge.ros2graph.wire.rtps.discovery import LEASE_NS, EndpointData, ParticipantData, disposal
 from thbridge.ros2graph.wire.rtps.entities_info import NodeEntities, encode_entities
@@ -24,7 +27,7 @@ from thbridge.ros2graph.wire.rtps.guids import (
     writer_id,
 )
 from thbridge.ros2graph.wire.rtps.outbox import RESENT_BYTES, Destination, Outbox
-from thbridge.ros2graph.wire.rtps.parameters import UdpAddress
+from thbridge.ros2graph.wire.rtps.parameters import Parameter, UdpAddress
 from thbridge.ros2graph.wire.rtps.participant import RtpsParticipant
 from thbridge.ros2graph.wire.rtps.readers import HeldBytes, ReceivedSample, RtpsReader
 from thbridge.ros2graph.wire.rtps.ros_names import DISCOVERY_TOPIC, DISCOVERY_TYPE
@@ -237,6 +240,40 @@ def test_directed_samples_reach_only_their_participants() -> None:
     pair.first.write(pair.writer, b"all.", STAMP)
     network.run(lambda: len(got) == 2)
     assert (got, pair.got) == ([b"one.", b"all."], [b"all."])
+
+
+class ReaderOfFirstFragments(RtpsReader):
+    """Reader that knows the inline quality of service only from the fragment that arrives first, as Fast DDS does."""
+
+    first: dict[int, Sequence[Parameter]]
+
+    def on_fragment(self, message: DataFragment) -> None:
+        inline = self.first.setdefault(message.sequence, message.inline)
+        super().on_fragment(replace(message, inline=inline))
+
+
+@given(st.integers(0, 2**32), st.sampled_from([0.1, 0.3]))
+def test_responses_name_their_request_whichever_fragment_arrives_first(seed: int, loss: float) -> None:
+    network = RtpsNetwork(loss, seed)
+    server = network.join(0, 1400)
+    writer = server.add_writer(*TOPIC, DEEP, b"", STAMP)
+    clients = network.join(1, 1400), network.join(2, 1400)
+    got: list[list[tuple[bytes, object]]] = [[], []]
+    for client, heard in zip(clients, got, strict=True):
+
+        def hear(sample: ReceivedSample, heard: list[tuple[bytes, object]] = heard) -> None:
+            heard.append((sample.payload, related_request(sample.inline)))
+
+        reader = client.add_reader(*TOPIC, DEEP, b"", hear, STAMP)
+        reader.__class__, reader.first = ReaderOfFirstFragments, {}
+    network.run(lambda: len(writer.readers) == 2)
+    expected: list[list[tuple[bytes, object]]] = [[], []]
+    for at, payload in enumerate(payloads(SEVERAL // 2, 3000)):
+        to, guid = at % 2, clients[at % 2].prefix + writer_id(1)
+        expected[to].append((payload, (guid, at)))
+        server.write(writer, payload, STAMP + network.now_ns, related(guid, at), frozenset({clients[to].prefix}))
+    network.run(lambda: [len(each) for each in got] == [len(each) for each in expected])
+    assert got == expected
 
 
 # Untrusted datagrams.

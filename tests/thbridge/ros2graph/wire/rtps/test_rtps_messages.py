@@ -98,6 +98,7 @@ def test_samples_survive_whole_and_in_fragments(sequence: int, payload: bytes, s
     for each in decoded(*encode_fragments(WRITER, sequence, payload, 10**18, size, inline)):
         assert isinstance(each, DataFragment)
         assert (each.size, each.fragment_size, each.count) == (len(payload), size, 1)
+        assert related_request(each.inline) == (OTHER + READER, 5)
         joined += each.payload[: min(size, len(payload) - len(joined))]
     assert joined == payload
 
