@@ -8,9 +8,10 @@ ros2/geometry2, tf2_ros/qos.hpp. Differences from Nav2: /clock is reliable, so t
 Plans are latched, because they are only published after a change.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import TypeAlias
 
 import numpy as np
@@ -121,7 +122,7 @@ class SessionTopics:
             if topic.name == names.MAP:
                 yield Ros2Topic(own, kind, qos, robot.topic("map_server")), convert
             elif topic.name in {names.TF, names.TF_STATIC}:
-                yield Ros2Topic(own, kind, qos), partial(_transforms_of, convert, f"{robot.namespace[1:]}/")
+                yield Ros2Topic(own, kind, qos), partial(_transforms_of, convert, robot.namespace[1:])
 
     def _within(self, name: str) -> tuple[RobotNames, str] | None:
         """Return the robot of a topic, and the rest of the topic's name; None for topics of the team."""
@@ -175,14 +176,20 @@ def converter_to_ros1(distribution: Distribution, kind: str, ros1_type: str) -> 
     return distribution.to_ros1(kind, ros1_type)
 
 
-def _transforms_of(convert: Convert, prefix: str, message: RosMessage) -> bytes:
-    """Return the transforms of one robot, whose child frames have this prefix or have a parent frame with it."""
-    pieces = []
-    for parent, piece in unpack.transform_pieces(message.data):
-        child = Cursor.behind_header(piece).string()
-        if child.startswith(prefix) or parent.startswith(prefix):
-            pieces.append(piece)
+def _transforms_of(convert: Convert, namespace: str, message: RosMessage) -> bytes:
+    """Return the transforms of one robot, whose child or parent frame is in its namespace."""
+    pieces = _transforms_by_namespace(message.data).get(namespace, ())
     return convert(message._replace(data=pack.stamped_transforms(pieces)))
+
+
+@lru_cache(maxsize=1)
+def _transforms_by_namespace(data: bytes) -> Mapping[str, Sequence[bytes]]:
+    """Return the transforms of a message by namespace. The topics of all robots need it, one after the other."""
+    pieces: dict[str, list[bytes]] = defaultdict(list)
+    for parent, child, piece in unpack.transform_pieces(data):
+        for namespace in {frame.partition("/")[0] for frame in (parent, child) if "/" in frame}:
+            pieces[namespace].append(piece)
+    return pieces
 
 
 def _stamped_twist(convert: Callable[[bytes], bytes], message: RosMessage) -> bytes:

@@ -50,4 +50,5 @@ class BegunRecoveries:
 
 def without_corrections(data: bytes) -> bytes:
     """Return a message of transforms without those of the map, which an external amcl publishes."""
-    return pack.stamped_transforms([piece for parent, piece in unpack.transform_pieces(data) if parent != MAP_FRAME])
+    pieces = unpack.transform_pieces(data)
+    return pack.stamped_transforms([piece for parent, _, piece in pieces if parent != MAP_FRAME])

@@ -128,16 +128,16 @@ def transforms(data: bytes) -> list[tuple[int, Transform]]:
     return entries
 
 
-def transform_pieces(data: bytes) -> list[tuple[str, bytes]]:
-    """Decode tf2_msgs/TFMessage to the parent frame and the bytes of each transform."""
+def transform_pieces(data: bytes) -> list[tuple[str, str, bytes]]:
+    """Decode tf2_msgs/TFMessage to the parent frame, the child frame and the bytes of each transform."""
     cursor = Cursor(data)
     pieces = []
     for _ in range(cursor.integer(UINT32)):
         rest = cursor.remaining()
         _, parent = cursor.header()
-        cursor.string()
+        child = cursor.string()
         cursor.spatial_pose()
-        pieces.append((parent, rest[: len(rest) - len(cursor.remaining())]))
+        pieces.append((parent, child, rest[: len(rest) - len(cursor.remaining())]))
     return pieces
 
 
