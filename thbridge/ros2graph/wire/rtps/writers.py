@@ -4,7 +4,7 @@ Source: DDSI-RTPS 2.3, section 8.4.9. A writer never waits: it keeps `depth` sam
 slow gets a gap instead of the others.
 """
 
-from collections.abc import Sequence, Set
+from collections.abc import KeysView, Sequence, Set
 from dataclasses import dataclass
 
 from thbridge.ros2.qos import DeliveryReliability, Durability, QosProfile
@@ -94,15 +94,15 @@ class RtpsWriter:
         self._outbox = outbox
         self._fragment_size = fragment_size
         self._history: dict[int, _Kept] = {}
-        self._last = 0
+        self._last = self._last_of_tick = 0
         self._count = 0
         self._readers: dict[Guid, _MatchedReader] = {}
         self._routes: list[tuple[Destination, bool]] = []
 
     @property
-    def readers(self) -> Sequence[Guid]:
+    def readers(self) -> KeysView[Guid]:
         """GUIDs of the matched readers."""
-        return list(self._readers)
+        return self._readers.keys()
 
     @property
     def next(self) -> int:
@@ -161,6 +161,8 @@ class RtpsWriter:
             self._history[sequence] = _Kept(pieces, stamp_ns, only)
             if len(self._history) > self._depth:
                 del self._history[next(iter(self._history))]
+        # Only readers that miss something answer a final heartbeat.
+        heartbeat = self._heartbeat(UNKNOWN, self._first(), final=True)
         for destination, reliable in self._routes:
             if only is not None and destination.prefix not in only:
                 pieces_here: Sequence[bytes] = (encode_gap(UNKNOWN, self.id, (sequence,)),)
@@ -169,8 +171,7 @@ class RtpsWriter:
             for piece in pieces_here:
                 self._outbox.add(destination, piece)
             if reliable:
-                # A final heartbeat: only readers that miss something answer. A nearly full history needs all answers.
-                self._add_heartbeat(destination, UNKNOWN, self._first(), final=not self._is_nearly_full())
+                self._outbox.add(destination, heartbeat)
         return sequence
 
     def forget(self, sequence: int) -> None:
@@ -227,13 +228,17 @@ class RtpsWriter:
             self._announce(reader, final=False)
 
     def tick(self, now_ns: int) -> bool:
-        """Send heartbeats to readers that have not acknowledged all samples. Return False if there are none."""
+        """Send heartbeats to readers that have not acknowledged all samples. Return False if there are none.
+
+        New samples had heartbeats, so these are needed only after the last of several samples.
+        """
         waiting = False
+        has_written, self._last_of_tick = self._last > self._last_of_tick, self._last
         for reader in self._readers.values():
             if not reader.reliable or reader.acknowledged >= self._last:
                 continue
             waiting = True
-            if reader.due_ns is None:
+            if has_written or reader.due_ns is None:
                 reader.due_ns = now_ns + reader.pause_ns
             elif now_ns >= reader.due_ns:
                 reader.pause_ns = min(2 * reader.pause_ns, _LONGEST_PAUSE_NS)
@@ -263,16 +268,12 @@ class RtpsWriter:
         return next(iter(self._history), self._last + 1)
 
     def _announce(self, reader: _MatchedReader, *, final: bool) -> None:
-        self._add_heartbeat(reader.destination, reader.id, max(self._first(), reader.start), final=final)
+        heartbeat = self._heartbeat(reader.id, max(self._first(), reader.start), final=final)
+        self._outbox.add(reader.destination, heartbeat)
 
-    def _add_heartbeat(self, destination: Destination, reader: bytes, first: int, *, final: bool) -> None:
+    def _heartbeat(self, reader: bytes, first: int, *, final: bool) -> bytes:
         self._count += 1
-        heartbeat = encode_heartbeat(reader, self.id, first, self._last, self._count, final=final)
-        self._outbox.add(destination, heartbeat)
-
-    def _is_nearly_full(self) -> bool:
-        slowest = min(reader.acknowledged for reader in self._readers.values() if reader.reliable)
-        return 2 * (self._last - slowest) >= self._depth
+        return encode_heartbeat(reader, self.id, first, self._last, self._count, final=final)
 
     def _route(self) -> None:
         """Find the destinations of live samples: one for each participant, not for each reader."""
