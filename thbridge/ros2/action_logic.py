@@ -1,7 +1,7 @@
 """Part of an action server that decides about its goals. It does not know the graph."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from thbridge.ros2.actions import ActionGoals, CancelAnswer
 
@@ -14,10 +14,12 @@ class ActionLogic(ABC):
 
     Attributes:
         goals: the goals, with their results.
+        has_listeners: returns False if no client receives feedback. Then no feedback is made.
     """
 
     def __init__(self, result_timeout_ns: int) -> None:
         self.goals: ActionGoals[object] = ActionGoals(result_timeout_ns)
+        self.has_listeners: Callable[[], bool] = lambda: True
         self._feedback: list[tuple[bytes, object]] = []
 
     @abstractmethod

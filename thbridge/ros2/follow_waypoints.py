@@ -115,7 +115,7 @@ class FollowWaypointsServer(ActionLogic):
             ):
                 return
             self._advance(trip)
-        if self._trip is trip and tick % FEEDBACK_PERIOD == 0:
+        if self._trip is trip and tick % FEEDBACK_PERIOD == 0 and self.has_listeners():
             feedback = self._distribution.make(f"{FOLLOW_WAYPOINTS}_Feedback", current_waypoint=trip.index)
             self._feedback.append((trip.goal_id, feedback))
 

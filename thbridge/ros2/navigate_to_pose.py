@@ -147,6 +147,8 @@ class NavigateToPoseServer(ActionLogic):
                 self.goals.cancel(goal_id, 0)
 
     def _receive_feedback(self, data: bytes) -> None:
+        if not self.has_listeners():
+            return
         entry, _, pose = unpack.move_base_feedback(data)
         goal_id = self._ids.get(entry.goal.id)
         navigation = self._navigation

@@ -52,6 +52,8 @@ from thbridge.study.external_nodes import ExternalNodes
 R = TypeVar("R")
 _LOOK_TICKS = 50
 """Ticks between two looks for publishers of awaited types: one second."""
+_UNSENT_TICKS = 5
+"""Ticks between two looks for the first subscriptions of latched topics."""
 
 
 class LiveRos2Graph:
@@ -178,7 +180,8 @@ class LiveRos2Graph:
                 for topic in self._topics.get(message.topic.name, ()):
                     if topic.take(message):
                         self._unsent.add(topic)
-        self._unsent = {topic for topic in self._unsent if topic.publish_kept()}
+        if tick % _UNSENT_TICKS == 0:
+            self._unsent = {topic for topic in self._unsent if topic.publish_kept()}
         self._follow_actions(tick, messages)
 
     def _follow_actions(self, tick: int, messages: Sequence[RosMessage]) -> None:

@@ -54,6 +54,7 @@ class GraphActionServer:
         carrier.serve(node, f"{name}/_action/get_result", types.get_result, self._receive_result_request)
         self._feedback = carrier.publish(node, f"{name}/_action/feedback", types.feedback, DEFAULT)
         self._status = carrier.publish(node, f"{name}/_action/status", types.status, LATCHED)
+        logic.has_listeners = lambda: self._feedback.readers > 0
 
     def publish(self) -> None:
         """Publish new feedback, and the status list if a goal has changed. Call this after each tick.
