@@ -124,6 +124,7 @@ class Honest(threading.Thread):
         self.slowest = ""
         self._doors = doors
         self._stopped = threading.Event()
+        self._rounds = threading.Semaphore(0)
         self._client: socket.socket | None = None
         self._station: socket.socket | None = None
 
@@ -150,6 +151,14 @@ class Honest(threading.Thread):
                 waited = time.monotonic() - began
                 if waited > self.wait:
                     self.wait, self.slowest = waited, name
+            self._rounds.release()
+
+    def finish(self) -> None:
+        """Wait until all programs have got an answer to a request that they have sent since this call."""
+        while self._rounds.acquire(blocking=False):
+            pass
+        for _ in range(2):  # The first round has begun earlier.
+            self._rounds.acquire()
 
     def stop(self) -> None:
         """Stop the requests."""
@@ -879,6 +888,7 @@ def assault(
         except (BreachError, BrowserBreachError):
             breached = True
         time.sleep(1.5)
+        honest.finish()
         running = attacked.poll() is None and server == attack_browsers.server_of(gateway)
         held.append(
             Held(

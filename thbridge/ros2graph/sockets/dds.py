@@ -12,14 +12,14 @@ from collections.abc import Callable, Sequence
 from thbridge.ros2.qos import QosProfile
 from thbridge.ros2.supports import MessageSupport, ServiceSupport
 from thbridge.ros2graph.sockets.carrier import GraphClient, GraphWriter, OnMessage, OnRequest
-from thbridge.ros2graph.sockets.reading_shares import ReadingShares
+from thbridge.ros2graph.sockets.fair_queue import FairQueue
 from thbridge.ros2graph.values.graph import GraphEndpoint, NodeName
 from thbridge.ros2graph.wire.rtps import ports
 from thbridge.ros2graph.wire.rtps.dds_graph import DdsGraph
 from thbridge.ros2graph.wire.rtps.guids import PREFIX_SIZE
 from thbridge.ros2graph.wire.rtps.parameters import UdpAddress
 from thbridge.ros2graph.wire.rtps.participant import TICK_NS, RtpsParticipant
-from thbridge.ros2graph.wire.rtps.submessages import HEADER_SIZE, PREFIX_AT, VENDOR
+from thbridge.ros2graph.wire.rtps.submessages import VENDOR
 from thbridge.sockets.addresses import LOCALHOST
 from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
@@ -29,8 +29,8 @@ DATAGRAM_SIZE, NETWORK_DATAGRAM_SIZE = 16_000, 1_400
 """Maximum number of bytes of a datagram on loopback, and on a network. There, it fits into one Ethernet frame."""
 
 _AT_ONCE, _AT_ONCE_NS = 512, 3_000_000
-"""Maximum number of datagrams that are read in one round of the event loop, and maximum time. Other work follows."""
-_STRANGER = b""
+"""Maximum number of datagrams that a socket reads in one round of the event loop, and maximum time for reading and for
+processing. Other work follows."""
 _BUFFER = 4 << 20
 _LARGEST_DATAGRAM = 65_536
 _NANO = 1_000_000_000
@@ -67,7 +67,8 @@ class DdsCarrier:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._timer: asyncio.TimerHandle | None = None
         self._is_woken = False
-        self._shares = ReadingShares()
+        self._queue = FairQueue()
+        self._is_queued = False
         is_local = ports.is_loopback(interface)
         self._participant = RtpsParticipant(
             VENDOR + os.urandom(PREFIX_SIZE - len(VENDOR)),
@@ -178,9 +179,8 @@ class DdsCarrier:
         return opened
 
     def _receive(self, bound: socket.socket) -> None:
-        now_ns, stamp_ns = self._now_ns(), self._clock()
-        began_ns = before_ns = time.thread_time_ns()
-        self._shares.advance(now_ns)
+        """Read datagrams without processing them: the system's buffer would keep those of all senders in one line."""
+        began_ns = time.thread_time_ns()
         for _ in range(_AT_ONCE):
             try:
                 datagram, source = bound.recvfrom(_LARGEST_DATAGRAM)
@@ -194,20 +194,33 @@ class DdsCarrier:
             if not self._admits(source[0]):
                 self._warn(f"datagrams from {source[0]} are dropped: its network is not admitted (--open-to)")
                 continue
-            prefix = datagram[PREFIX_AT:HEADER_SIZE]
-            payer = prefix if self._participant.has_peer(prefix) else _STRANGER
-            if not self._shares.has_time(payer):
-                self._warn(
-                    f"a program at {source[0]} sends more than this program can process; some of its messages are lost"
-                )
-            else:
-                fault = self._participant.receive(datagram, source[0], now_ns, stamp_ns)
-                if fault is not None:
-                    self._warn(f"a datagram from {source[0]} was dropped: {fault}")
+            host = self._queue.add(source, datagram)
+            if host is not None:
+                self._warn(f"a program at {host} sends more than this program can process; some messages are lost")
+            if time.thread_time_ns() - began_ns > _AT_ONCE_NS:
+                break
+        self._continue()
+
+    def _continue(self) -> None:
+        """Process datagrams in the next round of the event loop, after all sockets were read."""
+        if self._loop is not None and not self._is_queued:
+            self._is_queued = True
+            self._loop.call_soon(self._process)
+
+    def _process(self) -> None:
+        self._is_queued = False
+        now_ns, stamp_ns = self._now_ns(), self._clock()
+        self._queue.advance(now_ns)
+        began_ns = before_ns = time.thread_time_ns()
+        while (queued := self._queue.take()) is not None:
+            fault = self._participant.receive(queued.content, queued.host, now_ns, stamp_ns)
+            if fault is not None:
+                self._warn(f"a datagram from {queued.host} was dropped: {fault}")
             spent_ns = time.thread_time_ns()
-            self._shares.spend(payer, spent_ns - before_ns)
+            self._queue.spend(queued.turn, spent_ns - before_ns)
             before_ns = spent_ns
             if spent_ns - began_ns > _AT_ONCE_NS:
+                self._continue()
                 break
         self._send()
 
@@ -239,7 +252,7 @@ class DdsCarrier:
     def _tick(self) -> None:
         self._timer = asyncio.get_running_loop().call_later(TICK_NS / _NANO, self._tick)
         self._graph.tick(self._now_ns())
-        self._send()
+        self._process()
 
     def _wake(self) -> None:
         """Send at the end of this round of the event loop, together with what else is written in it."""

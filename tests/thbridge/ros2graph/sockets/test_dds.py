@@ -1,6 +1,7 @@
 """The DDS carrier on real sockets, without programs of ROS 2."""
 
 import asyncio
+import socket
 from collections.abc import Awaitable, Callable
 from contextlib import AsyncExitStack
 
@@ -11,7 +12,11 @@ from thbridge.ros2.qos import DEFAULT, LATCHED
 from thbridge.ros2.supports import MessageSupport, ServiceSupport
 from thbridge.ros2graph.sockets.dds import DdsCarrier
 from thbridge.ros2graph.values.graph import EndpointRole, NodeName
-from thbridge.ros2graph.wire.rtps.ports import LARGEST_DOMAIN
+from thbridge.ros2graph.wire.rtps import guids
+from thbridge.ros2graph.wire.rtps.discovery import LEASE_NS, ParticipantData
+from thbridge.ros2graph.wire.rtps.parameters import UdpAddress
+from thbridge.ros2graph.wire.rtps.ports import LARGEST_DOMAIN, metatraffic_port
+from thbridge.ros2graph.wire.rtps.submessages import VENDOR, encode_data, encode_header, encode_heartbeat
 from thbridge.sockets.errors import CannotListen
 
 DOMAIN = free_domain()
@@ -111,3 +116,36 @@ def test_a_carrier_that_cannot_join_says_why(domain: int, interface: str, reason
     failure = asyncio.run(DdsCarrier(domain, interface).start())
     assert isinstance(failure, CannotListen)
     assert reason in str(failure)
+
+
+def test_a_newcomer_gets_an_answer_although_a_flood_has_come_before_it() -> None:
+    def participant(number: int) -> tuple[socket.socket, bytes, bytes]:
+        """A socket, the header of its datagrams, and its announcement. The carrier answers the announcement."""
+        opened = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        opened.bind(("127.0.0.1", 0))
+        opened.setblocking(False)
+        prefix = bytes([1, 15, number]) + bytes(9)
+        own = [UdpAddress(*opened.getsockname())]
+        data = ParticipantData(prefix + guids.PARTICIPANT, VENDOR, own, own, LEASE_NS, b"")
+        return opened, encode_header(prefix), encode_data(guids.SPDP_WRITER, 1, data.encode(), 0)
+
+    async def run() -> None:
+        async with AsyncExitStack() as stack:
+            carrier = DdsCarrier(DOMAIN)
+            stack.push_async_callback(carrier.stop)
+            assert await carrier.start() is None
+            door = "127.0.0.1", metatraffic_port(DOMAIN, 0)
+            (foe, foe_header, late), (friend, header, announcement) = participant(1), participant(2)
+            stack.callback(foe.close)
+            stack.callback(friend.close)
+            beat = encode_heartbeat(guids.UNKNOWN, guids.writer_id(1), 1, 1, 1, final=True)
+            for _ in range(100):
+                foe.sendto(foe_header + 400 * beat, door)
+            foe.sendto(foe_header + late, door)
+            friend.sendto(header + announcement, door)
+            await asyncio.get_running_loop().sock_recv(friend, 65_536)
+            with pytest.raises(BlockingIOError):
+                foe.recv(65_536)
+            await asyncio.get_running_loop().sock_recv(foe, 65_536)
+
+    asyncio.run(asyncio.wait_for(run(), TIMEOUT))
