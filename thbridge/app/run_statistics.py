@@ -9,6 +9,7 @@ from sim.common.observations import TICK
 from sim.common.robot_numbers import number_of
 from sim.numerics import elementary
 from sim.numerics.elementary import wrap_angle
+from sim.robot.software import PropagatedOutput
 from sim.team import TeamSnapshot
 
 
@@ -71,11 +72,12 @@ class RunStatistics:
             # The distance follows from the speed, because a change of position can also be a move by hand.
             sums.distance += abs(speed) * TICK
             sums.ticks_waiting += robot.navigation.waits_for is not None
-            lost = robot.estimate.lost
+            lost = robot.lost
             sums.times_lost += lost and not sums.is_lost
             sums.ticks_lost += lost
             sums.is_lost = lost
-            if robot.observations.scan is not None:
+            # Propagated outputs have no scan, and computing their observations takes time.
+            if not isinstance(robot, PropagatedOutput) and robot.observations.scan is not None:
                 x, y, theta = truth.poses[index]
                 believed = robot.estimate.base_in_map
                 error = np.array(

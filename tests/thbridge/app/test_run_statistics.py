@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from sim.common.geometry import Pose2
+from sim.robot.software import RobotOutput
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.run_statistics import RunStatistics
@@ -22,9 +23,9 @@ def snapshots():
 
 
 def believing(snapshot, robot: int, pose: Pose2, lost: bool = False):
-    changed = replace(
-        snapshot.robots[robot], estimate=replace(snapshot.robots[robot].estimate, base_in_map=pose, lost=lost)
-    )
+    output = snapshot.robots[robot]
+    estimate = replace(output.estimate, base_in_map=pose, lost=lost)
+    changed = RobotOutput(output.observations, estimate, output.navigation, output.neighbour)
     robots = tuple(changed if index == robot else each for index, each in enumerate(snapshot.robots))
     return replace(snapshot, robots=robots)
 
