@@ -1,7 +1,7 @@
 """Our nodes on a DDS domain, and those of others: ROS 2 above RTPS."""
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from thbridge.ros2.qos import LATCHED, SERVICES, QosProfile
@@ -65,6 +65,7 @@ class DdsGraph:
         self._own: dict[NodeName, _Entities] = {}
         self._others: dict[bytes, list[NodeEntities]] = {}
         self._node_of: dict[bytes, dict[Guid, NodeName]] = {}
+        self._found: list[GraphEndpoint] | None = None
         self._servers: list[DdsServer] = []
         self._is_stale = True
         self._has_changed = False
@@ -120,9 +121,13 @@ class DdsGraph:
         found = {each.node for nodes in self._others.values() for each in nodes}
         return sorted(found, key=lambda node: node.whole)
 
-    def endpoints(self) -> list[GraphEndpoint]:
-        """Return the endpoints of the nodes of other participants."""
-        found = []
+    def endpoints(self) -> Sequence[GraphEndpoint]:
+        """Return the endpoints of the nodes of other participants. The list is made again only after a change."""
+        if self._found is None:
+            self._found = list(self._find_endpoints())
+        return self._found
+
+    def _find_endpoints(self) -> Iterator[GraphEndpoint]:
         for data in self.participant.endpoints():
             role = ros_names.role_and_name(data.topic, is_writer=data.is_writer)
             type_name = ros_names.type_of(data.type)
@@ -131,8 +136,7 @@ class DdsGraph:
                     type_name = type_name.removesuffix(_SERVICE_TYPE_END)
                 node = self._node(data.guid)
                 type_hash = ros_names.hash_of(data.user_data)
-                found.append(GraphEndpoint(role[0], node, role[1], type_name, type_hash, data.qos, data.guid))
-        return found
+                yield GraphEndpoint(role[0], node, role[1], type_name, type_hash, data.qos, data.guid)
 
     def node_of(self, gid: Guid) -> str:
         """Return the full name of the node of an endpoint; the GUID as hexadecimal digits if the node is unknown."""
@@ -162,7 +166,7 @@ class DdsGraph:
 
     def _on_change(self) -> None:
         """Note a change of other participants or their endpoints."""
-        self._has_changed = True
+        self._has_changed, self._found = True, None
 
     def _follow_others(self) -> None:
         for prefix in [each for each in self._others if not self.participant.has_peer(each)]:
@@ -235,6 +239,7 @@ class DdsGraph:
         except ValueError as fault:
             self.warn(str(fault))
             return
+        self._found = None
         self._others[prefix] = nodes
         self._node_of[prefix] = {gid: each.node for each in nodes for gid in (*each.readers, *each.writers)}
 

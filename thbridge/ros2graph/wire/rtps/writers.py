@@ -73,6 +73,7 @@ class RtpsWriter:
     """Writer of one topic.
 
     Attributes:
+        readers: GUIDs of the matched readers.
         returned: number of times that a reader has lost us, and has found us again.
 
     Args:
@@ -97,12 +98,8 @@ class RtpsWriter:
         self._last = self._last_of_tick = 0
         self._count = 0
         self._readers: dict[Guid, _MatchedReader] = {}
+        self.readers: KeysView[Guid] = self._readers.keys()
         self._routes: list[tuple[Destination, bool]] = []
-
-    @property
-    def readers(self) -> KeysView[Guid]:
-        """GUIDs of the matched readers."""
-        return self._readers.keys()
 
     @property
     def next(self) -> int:
