@@ -433,7 +433,7 @@ def test_fewer_robots_than_the_study_has_software_for_are_refused() -> None:
     assert "--robots 1: the study configures robot 2 under `each`" in refusal("play", "study.yaml", "--robots", "1")
 
 
-def test_play_gives_one_object_and_exit_code_1_when_time_is_up() -> None:
+def test_play_gives_one_object_and_exit_code_1_when_time_is_up(caplog: pytest.LogCaptureFixture) -> None:
     done = invoke("play", "--json", "--port", "0", "--max-seconds", "1", "--bag", "new/a.bag")
     assert done.exit_code == 1
     assert "The game did not end within 1 simulated seconds." in done.stderr
@@ -441,7 +441,7 @@ def test_play_gives_one_object_and_exit_code_1_when_time_is_up() -> None:
     assert Path("new/a.bag").is_file()
     assert not Path("new/a.html").exists()
     again = invoke("play", "--json", "--report", "--port", "0", "--max-seconds", "1", "--bag", "new/a.bag")
-    assert "The older recording was renamed to new/a-1.bag." in again.stderr
+    assert "The older recording was renamed to new/a-1.bag." in caplog.messages
     assert json.loads(again.stdout)["bag"] == "new/a.bag"
     assert Path("new/a.html").is_file()
 

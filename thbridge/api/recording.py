@@ -22,7 +22,6 @@ from thbridge.files.tables.table_files import Array, arrow_table
 from thbridge.recording.bag.damage import damage_as_bad_file
 from thbridge.recording.bag.reading.reader import info, messages, recorded
 from thbridge.recording.bag.recording_names import problem_of
-from thbridge.recording.recordings import make_room, try_place
 from thbridge.ros.messages.foreign_types import check_type_name, store_of, types_in
 
 
@@ -160,9 +159,6 @@ class HuntRecording:
             raise HuntError(f"participant: {self.path} has no participant to replace. Omit the argument.")
         options = ReplayOptions(0.0, 0.0, bag, bool(changes or participant or bag), participant)
         with as_hunt_errors():
-            if bag is not None:
-                make_room(bag)
-                try_place(bag)
             with RecordingReplay(self.path, setting, options, lambda record: None) as again:
                 while again.tick():
                     pass

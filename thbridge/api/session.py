@@ -25,7 +25,7 @@ from thbridge.api.snapshot import HuntSnapshot, Ranges, snapshot_of
 from thbridge.api.study import HuntStudy, Simulated, setting_of
 from thbridge.api.view import HuntView
 from thbridge.app.compose.game import build_participants
-from thbridge.app.compose.recording import build_record, build_recorder, build_writer
+from thbridge.app.compose.recording import begin_recording, build_record, build_recorder
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.session import NOT_RECORDED, SessionRecording, build_programs, open_session
 from thbridge.app.compose.setting import StudySetting
@@ -41,7 +41,7 @@ from thbridge.hunt.seats import ONE_SEAT, PlayedBy
 from thbridge.mavlink.files.tlog import TlogFile
 from thbridge.recording.bag.recording_names import problem_of
 from thbridge.recording.journal_folder import JournalStore
-from thbridge.recording.recordings import journal_of, make_room, tlog_of, try_place
+from thbridge.recording.recordings import journal_of, tlog_of
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.robot_requests import (
@@ -170,18 +170,15 @@ class HuntSession:
         setting = self._setting
         if (problem := problem_of(bag, setting.study.recording.compression)) is not None:
             raise HuntError(f"record: {problem}", bag)
-        with as_hunt_errors():
-            make_room(bag)
-            try_place(bag)
-            # If a later step fails, the files opened so far are closed.
-            with ExitStack() as opened:
-                log = opened.enter_context(closing(JournalStore(journal_of(bag))))
-                writer = opened.enter_context(build_writer(setting, bag))
-                opening = build_record(setting, PLAY, roles, participant)
-                recorders: list[TickRecorder] = [build_recorder(setting, opening, [writer])]
-                if setting.study.mavlink.on and setting.study.mavlink.tlog:
-                    recorders.append(TlogRecorder(opened.enter_context(TlogFile(tlog_of(bag)))))
-                self._open = opened.pop_all()
+        # If a later step fails, the files opened so far are closed.
+        with as_hunt_errors(), ExitStack() as opened:
+            writer = opened.enter_context(begin_recording(setting, bag))
+            log = opened.enter_context(closing(JournalStore(journal_of(bag))))
+            opening = build_record(setting, PLAY, roles, participant)
+            recorders: list[TickRecorder] = [build_recorder(setting, opening, [writer])]
+            if setting.study.mavlink.on and setting.study.mavlink.tlog:
+                recorders.append(TlogRecorder(opened.enter_context(TlogFile(tlog_of(bag)))))
+            self._open = opened.pop_all()
         return SessionRecording(recorders, log)
 
     # Time

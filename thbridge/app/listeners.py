@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Protocol, TypeAlias
 
 from sim.team import Team
-from thbridge.app.compose.recording import build_team_description, build_writer
+from thbridge.app.compose.recording import begin_recording, build_team_description
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.live_graph.client_messages import ClientRequests
 from thbridge.app.live_graph.live import LiveGraph, on_graph
@@ -172,5 +172,5 @@ async def listeners(
             listening.append(foxglove)
         if options.bag is not None:
             # The recording starts last, so that there is no recording if a port is already in use.
-            listening.append(opened.enter_context(build_writer(setting, options.bag)))
+            listening.append(opened.enter_context(begin_recording(setting, options.bag)))
         yield listening

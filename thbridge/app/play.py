@@ -49,7 +49,7 @@ from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.keys import RingKeys
-from thbridge.text_protocol.sockets.server import TextServer
+from thbridge.text_protocol.sockets.server import RouterInterface, TextServer
 from thbridge.timing.keepalive import kept_alive
 from thbridge.timing.loop import LoopResult, run_ticks
 from thbridge.timing.pace_meter import PaceMeter
@@ -225,7 +225,8 @@ async def play(
         if options.rate > 0.0:
             rehearse(setting)
         hunt = _Hunt(setting, participants, options, links, ready)
-        await hunt.agree(opened)
+        await hunt.listen(opened)
+        await hunt.agree()
         await hunt.record(opened, callbacks)
         went_on = await hunt.go_on(progress)
         await hunt.serve(opened, callbacks)
@@ -279,7 +280,7 @@ class _Hunt:
         self._inputs: InputLog | None = None
         self._journals: JournalStore | None = None
         self._bags: list[BagWriter] = []
-        self._where: ListeningAddress | CannotListen | None = None
+        self._where: ListeningAddress | None = None
         self._checkpoint_due = CHECKPOINT_TICKS
         self._ticks_due = self._prompt_ticks = 0
         self._statistics = RunStatistics()
@@ -287,11 +288,22 @@ class _Hunt:
         self._troubles = TroubleLog()
         self._server.note_game(*self._session.game_name)
 
-    async def agree(self, opened: AsyncExitStack) -> None:
+    async def listen(self, opened: AsyncExitStack) -> None:
+        """Open the port of the text server. Programs that connect wait until `agree` or `serve`."""
+        server = self._setting.study.server
+        opened.push_async_callback(self._server.stop)
+        where = await self._server.open(server.host, server.port)
+        if isinstance(where, CannotListen) and self._options.left is not None:
+            where = await self._server.open(server.host, 0)  # The window gets the selected port.
+        if isinstance(where, CannotListen):
+            self._ready(where)
+        else:
+            self._where = where
+
+    async def agree(self) -> None:
         """Ask the participant in another program for consent. Raises ParticipantDeclined: they did not agree."""
         if self._desk is not None:
-            opened.push_async_callback(self._server.stop)
-            await self._listen()
+            self._admit(self._desk)
             left = self._options.left
             # If a window has already asked for consent, it sends the consent as soon as it joins.
             await _consent(self._desk, left, _ignore if left is not None else _log.warning)
@@ -315,9 +327,7 @@ class _Hunt:
                 self._graph.receive_frame if has_vehicles else None,
                 session.keys.granted,
                 has_game=True,
-                game_address=lambda: (
-                    f"{where.host}:{where.port}" if isinstance(where := self._where, ListeningAddress) else ""
-                ),
+                game_address=lambda: "" if self._where is None else f"{self._where.host}:{self._where.port}",
             )
         )
         log: EventLog | None = None
@@ -410,7 +420,7 @@ class _Hunt:
             callbacks.linked(reached_by)
             await opened.enter_async_context(kept_alive(self._session, self.pacer))
         if self._desk is None:
-            await self._listen()
+            self._admit(self._session.router)
         opened.push_async_callback(self._server.stop)  # The server stops before the recording is closed.
 
     def tick(self, progress: Callable[[TickRecord], None]) -> bool:
@@ -465,13 +475,10 @@ class _Hunt:
             self._statistics.add(now.snapshot)
         return now
 
-    async def _listen(self) -> None:
-        router, server = self._desk or self._session.router, self._setting.study.server
-        where = await self._server.start(router, server.host, server.port)
-        if isinstance(where, CannotListen) and self._options.left is not None:
-            where = await self._server.start(router, server.host, 0)  # The window gets the selected port.
-        self._where = where
-        self._ready(where)
+    def _admit(self, router: RouterInterface) -> None:
+        if self._where is not None:
+            self._server.serve(router)
+            self._ready(self._where)
 
 
 class _GraphStation:

@@ -11,7 +11,7 @@ import numpy as np
 
 from sim.common.observations import TICKS_PER_SECOND
 from sim.parameters import live_parameters
-from thbridge.app.compose.recording import build_record, build_writer, room_labels
+from thbridge.app.compose.recording import begin_recording, build_record, room_labels
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.programs import SIMR, SimrOptions, await_consent, run_at_server
@@ -133,7 +133,7 @@ async def simr_with_real_robots(
         traffic = HeldTraffic()
 
         def record(bag: Path) -> None:
-            writer = opened.enter_context(build_writer(setting, bag, names.FLEET))
+            writer = opened.enter_context(begin_recording(setting, bag, names.FLEET))
             opening = build_record(setting, SIMR, [legacy.SIMR], "")
             traffic.release(FleetRecorder(writer, opening, room_labels(setting)))
 

@@ -8,6 +8,7 @@ import glob
 import hashlib
 import re
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from thbridge.files.disk.regular_files import open_regular
 from thbridge.files.disk.synced import make_folder, sync_folder
@@ -116,10 +117,28 @@ def tlog_of(bag: Path) -> Path:
     return bag.with_name(bag.name.removesuffix(".bag") + ".tlog")
 
 
+def reserve(bag: Path) -> None:
+    """Claim the name of a recording, and check that a bag can be started there. An older recording stays in place.
+
+    Raises:
+        BadFile: another running program records there, or the folder is not a recording.
+        OSError: no bag can be started there.
+    """
+    make_folder(bag.parent)
+    claim(bag)
+    try:
+        _older(bag)
+        with TemporaryFile(dir=bag.parent, buffering=0) as file:
+            file.write(bytes(_LEAST))
+    except (BadFile, OSError):
+        release(bag)
+        raise
+
+
 def make_room(bag: Path) -> Path | None:
     """Rename an older recording of this name, with its journal and telemetry log; nothing is overwritten.
 
-    The name is then claimed by this program.
+    The name is then claimed by this program. Call this when nothing else can prevent the new recording.
 
     Returns:
         The new path of the older bag, or None if there was none.
@@ -128,17 +147,13 @@ def make_room(bag: Path) -> Path | None:
         BadFile: another running program records there, or the folder is not a recording.
         OSError: the older recording cannot be renamed.
     """
-    if bag.parent.is_dir():
-        claim(bag)
-    if is_folder(bag):
-        old = [bag] if bag.exists() and not _is_empty(bag) else []
-        ours = (bag / METADATA, journal_of(bag), tlog_of(bag), *bag.glob(f"*{MCAP}*"))
-        if old and not any(path.exists() for path in ours):
-            release(bag)
-            raise BadFile(bag, "something other than a recording has this name", "choose another name")
-    else:
-        old = [path for path in (bag, active_of(bag), journal_of(bag), tlog_of(bag)) if path.exists()]
-        old += [path for ending in ("", ACTIVE) for _, path in _numbered(bag, bag.suffix + ending)]
+    make_folder(bag.parent)
+    claim(bag)
+    try:
+        old = _older(bag)
+    except BadFile:
+        release(bag)
+        raise
     if not old:
         return None
     number = next(n for n in range(1, 10**6) if not _is_taken(bag, f"{bag.stem}-{n}"))
@@ -149,19 +164,17 @@ def make_room(bag: Path) -> Path | None:
     return moved
 
 
-def try_place(bag: Path) -> None:
-    """Check that a bag can be started at this path, before any slow step.
-
-    Raises:
-        OSError: no bag can be started there.
-    """
-    active = active_of(bag)
-    make_folder(active.parent)
-    with active.open("xb", buffering=0) as file:
-        try:
-            file.write(bytes(_LEAST))
-        finally:
-            active.unlink()
+def _older(bag: Path) -> list[Path]:
+    """Return the files of an older recording. Raises BadFile: the folder is not a recording."""
+    if not is_folder(bag):
+        old = [path for path in (bag, active_of(bag), journal_of(bag), tlog_of(bag)) if path.exists()]
+        return old + [path for ending in ("", ACTIVE) for _, path in _numbered(bag, bag.suffix + ending)]
+    ours = (bag / METADATA, journal_of(bag), tlog_of(bag), *bag.glob(f"*{MCAP}*"))
+    if not bag.exists() or _is_empty(bag):
+        return []
+    if not any(path.exists() for path in ours):
+        raise BadFile(bag, "something other than a recording has this name", "choose another name")
+    return [bag]
 
 
 def _is_empty(folder: Path) -> bool:

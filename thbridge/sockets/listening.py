@@ -96,17 +96,8 @@ class ServerDoor:
         Raises:
             OSError, UnicodeError: it cannot listen there.
         """
-        loop = asyncio.get_running_loop()
-        found = await loop.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-        bound: list[socket.socket] = []
-        try:
-            for family, _, _, _, where in dict.fromkeys(found):
-                bound.append(socket.create_server(where, family=family, backlog=BACKLOG))
-        except OSError:
-            for each in bound:
-                each.close()
-            raise
-        address = ListeningAddress(*bound[0].getsockname()[:2])
+        bound = await bind(host, port)
+        address = address_of(bound)
         for each in bound:
             self.accept(connection, each, tls)
         return address
@@ -129,6 +120,34 @@ class ServerDoor:
         for each in self._acceptors:
             await each.wait_closed()
         self._acceptors = []
+
+
+async def bind(host: str, port: int) -> list[socket.socket]:
+    """Return sockets that listen at all addresses of a host. Until `ServerDoor.accept`, connections wait in the system.
+
+    Args:
+        host: name or address.
+        port: port at all addresses; 0 selects any free port.
+
+    Raises:
+        OSError, UnicodeError: it cannot listen there.
+    """
+    loop = asyncio.get_running_loop()
+    found = await loop.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+    bound: list[socket.socket] = []
+    try:
+        for family, _, _, _, where in dict.fromkeys(found):
+            bound.append(socket.create_server(where, family=family, backlog=BACKLOG))
+    except OSError:
+        for each in bound:
+            each.close()
+        raise
+    return bound
+
+
+def address_of(bound: Sequence[socket.socket]) -> ListeningAddress:
+    """Return the first address at which sockets listen."""
+    return ListeningAddress(*bound[0].getsockname()[:2])
 
 
 class _Acceptor:

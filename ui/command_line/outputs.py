@@ -10,9 +10,8 @@ from tempfile import TemporaryDirectory
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag.options import Compression, Readers
 from thbridge.recording.bag.recording_names import problem_of
-from thbridge.recording.claims import release
-from thbridge.recording.recordings import make_room, try_place
-from ui.command_line.terminal import BAD_INPUT, fail, note
+from thbridge.recording.recordings import reserve
+from ui.command_line.terminal import BAD_INPUT, fail
 
 STANDARD_OUTPUT = Path("-")
 
@@ -51,19 +50,15 @@ def share_no_output(path: Path | None, as_json: bool) -> None:
 
 
 def make_ready(bag: Path, compression: Compression, option: str = "--bag") -> None:
-    """Check that a session can be recorded at a path; if an older recording is there, rename it."""
+    """Check that a session can be recorded at a path, and claim the path. An older recording stays in place."""
     if (problem := problem_of(bag, compression)) is not None:
         fail(BAD_INPUT, f"{option}: {problem}")
     try:
-        moved = make_room(bag)
-        try_place(bag)
+        reserve(bag)
     except BadFile as taken:
         fail(BAD_INPUT, f"{option}: {taken}")
     except OSError as error:
-        release(bag)
         fail(BAD_INPUT, f"{bag}: the bag cannot be written ({error.strerror}). Choose another file with {option}.")
-    if moved is not None:
-        note(f"The older recording was renamed to {moved}.")
 
 
 def make_copy_ready(copy: Path, recording: Path, compression: Compression) -> None:

@@ -1,5 +1,6 @@
 """Builders of the robots' output: ROS messages, bags, the first record of bags, and descriptions for ROS graphs."""
 
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -10,9 +11,12 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.app.live_graph.common import TeamDescription
 from thbridge.app.session.broadcast import Broadcast, Listener
 from thbridge.app.session.recording import BagRecorder
+from thbridge.files.errors import reason_of
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.recording.bag.options import DefinitionTexts, RecordingDetail
+from thbridge.recording.bag.writing.disk import BagNotWritten
 from thbridge.recording.bag.writing.writer import BagWriter
+from thbridge.recording.recordings import make_room
 from thbridge.ros.messages.pack import RoomLabel
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.names import CALLER
@@ -22,6 +26,8 @@ from thbridge.ros.repetitions import RepetitionFilter
 from thbridge.ros.topics import MessageFilter, is_of_errors
 from thbridge.study.plugins import plugins_of
 from thbridge.study.text import resolved
+
+_log = logging.getLogger(__name__)
 
 
 def build_record(setting: StudySetting, program: str, roles: Sequence[str], participant: str) -> SessionRecord:
@@ -74,6 +80,23 @@ def build_writer(setting: StudySetting, path: Path, caller: str = CALLER) -> Bag
         caller=caller,
         keep=keep,
     )
+
+
+def begin_recording(setting: StudySetting, path: Path, caller: str = CALLER) -> BagWriter:
+    """Return a writer of a new bag like `build_writer`, after renaming an older recording of this name.
+
+    Call this after all other steps of a start, so that a start that fails does not rename anything.
+
+    Raises:
+        BadFile: the older recording cannot be renamed, or the bag cannot be written (`BagNotWritten`).
+    """
+    try:
+        moved = make_room(path)
+    except OSError as error:
+        raise BagNotWritten(path, reason_of(error), "choose another name") from None
+    if moved is not None:
+        _log.warning("The older recording was renamed to %s.", moved)
+    return build_writer(setting, path, caller)
 
 
 def message_filter(detail: RecordingDetail, *, errors: bool) -> MessageFilter:

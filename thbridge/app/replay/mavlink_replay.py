@@ -13,7 +13,7 @@ from pathlib import Path
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from sim.common.robot_numbers import RobotNumber, index_of, number_of
-from thbridge.app.compose.recording import build_record, build_recorder, build_writer
+from thbridge.app.compose.recording import begin_recording, build_record, build_recorder
 from thbridge.app.compose.session import SessionRecording, build_programs, open_session
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import PLAY
@@ -176,7 +176,7 @@ async def replay_frames(
     with ExitStack() as opened:
         listening: list[Listener] = [poses]
         if options.to is not None:
-            listening.append(opened.enter_context(build_writer(setting, options.to)))
+            listening.append(opened.enter_context(begin_recording(setting, options.to)))
         programs = build_programs(setting)
         recorder = build_recorder(setting, build_record(setting, PLAY, programs.names, ""), listening)
         session = open_session(setting, programs, SessionRecording([recorder, hunt]))

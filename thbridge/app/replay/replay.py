@@ -16,7 +16,7 @@ from typing import Self
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from thbridge.app.compose.game import build_participants
-from thbridge.app.compose.recording import build_record, build_recorder, build_writer, message_filter
+from thbridge.app.compose.recording import begin_recording, build_record, build_recorder, message_filter
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.session import SessionRecording, build_programs, open_session
 from thbridge.app.compose.setting import StudySetting
@@ -240,7 +240,7 @@ class RecordingReplay:
         self._over = False
         self._buffer = _MessageBuffer(_recorded_by(path, record))
         with ExitStack() as opened:
-            kept = [] if options.to is None else [opened.enter_context(build_writer(setting, options.to))]
+            kept = [] if options.to is None else [opened.enter_context(begin_recording(setting, options.to))]
             recorder = build_recorder(setting, fresh, [self._buffer, *kept])
             recorders: list[TickRecorder] = [recorder, _ProgressReporter(progress, options.start)]
             self._session, self._give = _replayed_session(setting, record, options.participant, recorders)

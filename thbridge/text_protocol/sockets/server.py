@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import socket
 import time
 from asyncio import BufferedProtocol, Transport
 from collections import deque
@@ -20,7 +21,7 @@ from thbridge.sockets.admission import OWN_MACHINE, Admission, peer_of
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.http_refusal import begins_http
 from thbridge.sockets.keys import RingKeys
-from thbridge.sockets.listening import ServerDoor
+from thbridge.sockets.listening import ServerDoor, address_of, bind
 from thbridge.sockets.tls import is_encrypted
 from thbridge.sockets.warn_once import WarnOnce
 from thbridge.text_protocol.wire.router import (
@@ -125,39 +126,59 @@ class TextServer:
         self._all_closed = asyncio.Event()
         # The sum counts the router's connections, rejected connections, and connections without a key.
         self._door = ServerDoor(RouterLimits().clients + _MOST_LINGERING + _MOST_WITHOUT_KEY)
+        self._bound: list[socket.socket] = []
         self._names: dict[ConnectionId, str] = {}
         self._watch: asyncio.Task[None] | None = None
 
     async def start(
         self, router: RouterInterface, host: str = LOCALHOST, port: int = TEXT_SERVER_PORT
     ) -> ListeningAddress | CannotListen:
-        """Begin to serve.
+        """Open the port and begin to serve; see `open` and `serve`."""
+        address = await self.open(host, port)
+        if isinstance(address, ListeningAddress):
+            self.serve(router)
+        return address
+
+    async def open(self, host: str = LOCALHOST, port: int = TEXT_SERVER_PORT) -> ListeningAddress | CannotListen:
+        """Open the port. Connections wait until `serve`.
 
         Args:
-            router: router that decides about all lines. It may have local endpoints, which have no socket.
             host: address to listen on. With `LOCALHOST` the server also listens on `DEBIAN_HOST`, if the machine has
                 that address and no other program listens there.
             port: TCP port. 0 selects any free port.
         """
-        self._router = router
         if not 0 <= port <= 65535:
             return CannotListen(host, port, "a port must be a number from 0 to 65535")
-        tls = None if self._keys is None else self._keys.tls
         try:
-            address = await self._door.listen(lambda: _Connection(self), host, port, tls)
+            self._bound = await bind(host, port)
         except (OSError, UnicodeError) as error:
             return CannotListen.because(error, host, port)
-        self._watch = asyncio.get_running_loop().create_task(self._check_idle())
+        address = address_of(self._bound)
         if host == LOCALHOST:
             # The participant's window of 2016 connects to the machine's own name, which Debian maps to this address.
             try:
-                await self._door.listen(lambda: _Connection(self), DEBIAN_HOST, address.port, tls)
+                self._bound += await bind(DEBIAN_HOST, address.port)
             except OSError as error:
                 _log.info("programs that connect to %s cannot reach the server: %s", DEBIAN_HOST, error)
         return address
 
+    def serve(self, router: RouterInterface) -> None:
+        """Accept connections at the open port.
+
+        Args:
+            router: router that decides about all lines. It may have local endpoints, which have no socket.
+        """
+        self._router = router
+        tls = None if self._keys is None else self._keys.tls
+        bound, self._bound = self._bound, []
+        for each in bound:
+            self._door.accept(lambda: _Connection(self), each, tls)
+        self._watch = asyncio.get_running_loop().create_task(self._check_idle())
+
     async def stop(self) -> None:
         """Send the shutdown line to every client, wait a moment for them to close, and close the port."""
+        for each in self._bound:
+            each.close()
         if self._watch is None:
             return
         self._door.close()

@@ -12,7 +12,6 @@ from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.errors import BadFile
-from thbridge.recording.recordings import make_room
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
@@ -70,8 +69,6 @@ class SingleGame:
         """Play the game; return its score, and the reason for its end."""
         setting = self._setting()
         inputs = None if self.bag is None else self.bag.with_suffix(".inputs")
-        if self.bag is not None:
-            make_room(self.bag)  # An earlier worker may have died.
         options = PlayOptions(
             setting.study.rate or 1.0,
             self.bag,

@@ -22,7 +22,7 @@ from thbridge.files.keys.key_ring import KeyRing
 from thbridge.recording.bag.writing.bag_file import NAMELESS, BagFile
 from thbridge.recording.claims import claim, release
 from thbridge.recording.journal_folder import JournalStore
-from thbridge.recording.recordings import make_room, try_place
+from thbridge.recording.recordings import make_room, reserve
 
 OTHER = 54321
 """User id of nobody here."""
@@ -65,7 +65,7 @@ WRITERS: dict[str, Callable[[Path], object]] = {
     "new file": _new_file,
     "new folder": _new_folder,
     "folder": make_folder,
-    "recording": try_place,
+    "recording": reserve,
     "moved recording": make_room,
     "claim": _claim,
     "journals": JournalStore,

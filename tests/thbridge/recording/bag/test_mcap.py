@@ -28,7 +28,7 @@ from thbridge.recording.bag.options import MCAP_COMPRESSIONS, Compression, Split
 from thbridge.recording.bag.reading import reader
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writing.writer import WHOLE, BagWriter, ForeignTopic
-from thbridge.recording.recordings import make_room, parts_of, try_place
+from thbridge.recording.recordings import make_room, parts_of, reserve
 from thbridge.ros.messages import types
 from thbridge.ros.messages.foreign_types import register
 from thbridge.ros.publisher import TeamPublisher
@@ -257,7 +257,7 @@ def test_an_older_folder_is_renamed_and_other_folders_are_left_alone(tmp_path: P
     path = record(tmp_path / "run")
     (tmp_path / "run-1.bag").touch()
     assert make_room(path) == tmp_path / "run-2"
-    try_place(path)
+    reserve(path)
     record(path)
     assert len(list(reader.messages(tmp_path / "run-2"))) == len(list(reader.messages(path)))
     mine = tmp_path / "mine"
