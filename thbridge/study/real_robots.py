@@ -23,11 +23,15 @@ S = TypeVar("S")
 NUMBER = "{n}"
 """Placeholder for the robot's number. Numbers start at 1."""
 
+ACTION_SPACE = "/_action"
+"""Suffix of the name of an action in the names of its topics on ROS 2."""
 _FRAMES = ("map_frame", "odom_frame", "base_frame")
 _NAME = re.compile(r"/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*/?")
 _FRAME = re.compile(r"\S+")
 _OWN = ("odom_frame", "odom", "scan", "amcl_pose", "battery", "cmd_vel", "initialpose", "move_base", "plan")
 """Fields with names that must be unique in a team."""
+_OF_NAV2 = {"move_base": "nav2.action", "plan": "nav2.plan", "battery": "nav2.battery", "recorded": "nav2.recorded"}
+"""Fields for move_base, and the fields that replace them for Nav2 robots."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +99,7 @@ class FleetNames:
         )
         remote = dataclasses.replace(
             self.names(number),
-            move_base=f"{nav2.action}/_action",
+            move_base=f"{nav2.action}{ACTION_SPACE}",
             plan=topic(own.plan),
             battery=topic(own.battery),
             tf=nav2.tf,
@@ -178,32 +182,45 @@ class FleetSection:
     def clash(self, robots: int, source: RobotsFrom = RobotsFrom.ROS) -> NameClash | None:
         """Return the first name that is used twice in a team of this size, or None."""
         if source is not RobotsFrom.ROS2:
-            return _clash(self.names(robots))
+            return _clash(self.names(robots), {})
         # Robots with separate topics of transforms may have frames of the same name.
         return _clash(
             [
                 dataclasses.replace(remote, odom_frame=f"{remote.odom_frame} on {nav2.tf}")
                 for remote, nav2 in self.nav2_names(robots, RosDistribution.JAZZY)
-            ]
+            ],
+            _OF_NAV2,
         )
 
+    def replaced(self) -> Iterator[tuple[str, str]]:
+        """Yield the key of each name that Nav2 robots ignore, and the key that they use instead."""
+        for key, own in (("robot", self.robot), *((f"each.{number}", own) for number, own in self.each.items())):
+            for field, other in _OF_NAV2.items():
+                if getattr(own, field) != getattr(FleetNames(), field):
+                    yield f"fleet.{key}.{field}", f"fleet.{key}.{other}"
 
-def _clash(names: Sequence[RemoteNames]) -> NameClash | None:
+
+def _clash(names: Sequence[RemoteNames], keys: Mapping[str, str]) -> NameClash | None:
+    """Return the first name that is used twice; `keys` has the keys of fields whose key has another name."""
     taken: dict[str, tuple[int, str]] = {}
     for number, own in zip(robot_numbers(len(names)), names, strict=True):
         for field in _OWN:
-            name = cast(str, getattr(own, field))
-            first, other = taken.setdefault(name, (number, field))
-            if (first, other) != (number, field):
-                problem = f"{name} is both {other} of robot {first} and {field} of robot {number}"
-                return NameClash(number, field, problem)
+            name, key = cast(str, getattr(own, field)), keys.get(field, field)
+            first, other = taken.setdefault(name, (number, key))
+            if (first, other) != (number, key):
+                shown = name.removesuffix(ACTION_SPACE)
+                problem = f"{shown} is both {other} of robot {first} and {key} of robot {number}"
+                return NameClash(number, key, problem)
     return None
 
 
 def faults_of_fleet(
     loaded: Loaded[S], fleet: FleetSection, robots: int, source: RobotsFrom = RobotsFrom.ROS
 ) -> Iterator[BadFile]:
-    """Yield faults: names that are invalid in ROS, and names that are used twice."""
+    """Yield faults: names that are invalid in ROS, and names that are used twice.
+
+    A study for simulated robots may get its source of robots later, so its names need to suit only one source.
+    """
     sound = True
     for key, named, number in (
         ("fleet.robot", fleet.robot, 1),
@@ -216,8 +233,9 @@ def faults_of_fleet(
             )
     if not sound:
         return
-    clash = fleet.clash(robots, source)
-    if clash is not None:
+    sources = (source,) if source.is_real else (RobotsFrom.ROS, RobotsFrom.ROS2)
+    clashes = [fleet.clash(robots, each) for each in sources]
+    if all(clashes) and (clash := clashes[0]) is not None:
         key = f"fleet.each.{clash.robot}" if clash.robot in fleet.each else "fleet.robot"
         remedy = f"Write a different name for each; {NUMBER} is replaced by the robot's number"
         yield loaded.fault(f"{key}.{clash.field}", clash.problem, remedy)

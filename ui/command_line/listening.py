@@ -47,7 +47,7 @@ def ros2_of(study: Study, options: Ros2Options) -> Ros2Address | None:
     domain = address.domain if options.ros2_domain is None else options.ros2_domain
     address = dataclasses.replace(address, domain=domain, carrier=options.carrier or address.carrier)
     if address.carrier is CarrierKind.ZENOH:
-        check_zenoh("--carrier zenoh")
+        check_zenoh("ros2: carrier: zenoh" if options.carrier is None else "--carrier zenoh")
     return address
 
 

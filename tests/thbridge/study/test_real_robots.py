@@ -68,7 +68,7 @@ def test_a_robot_may_be_alone_on_its_graph():
 )
 def test_what_cannot_be_a_name_is_told_with_line_and_remedy(fleet, key, problem):
     with pytest.raises(BadFile) as caught:
-        read_study_text(FILE, f"robots: 2\nfleet: {fleet}")
+        read_study_text(FILE, f"robots: 2\nfleet: {fleet}\nrobots_from: ros\n")
     fault = caught.value.faults[0] if isinstance(caught.value, BadFiles) else caught.value
     assert (fault.key, fault.line) == (key, 2)
     assert problem in fault.problem

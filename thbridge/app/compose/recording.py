@@ -93,7 +93,8 @@ def begin_recording(setting: StudySetting, path: Path, caller: str = CALLER) -> 
     try:
         moved = make_room(path)
     except OSError as error:
-        raise BagNotWritten(path, reason_of(error), "choose another name") from None
+        problem = f"the bag cannot be written ({reason_of(error)})"
+        raise BagNotWritten(path, problem, "choose another path, or free disk space") from None
     if moved is not None:
         _log.warning("The older recording was renamed to %s.", moved)
     return build_writer(setting, path, caller)

@@ -9,6 +9,7 @@ from thbridge.files.resources import shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.roles.shared.view import View
 from thbridge.sockets.reconnecting import ConnectionLost
+from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import ServerSection, Study
 from ui.command_line.options import ADDRESS, PERSON
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
@@ -67,11 +68,15 @@ def tell_lost(lost: ConnectionLost) -> None:
     note(programs.reason_of(lost))
 
 
-def settings_without_effect(study: Study) -> list[str]:
-    """Return the parts of a study that have no effect on real robots."""
+def note_settings_without_effect(study: Study) -> None:
+    """Print the keys of a study that have no effect on its real robots."""
     standard = Study()
-    keys = ("rate", "watch", "robot", "each", "things", "mishaps")
-    return [key for key in keys if getattr(study, key) != getattr(standard, key)]
+    for key in ("rate", "watch", "robot", "each", "things", "mishaps"):
+        if getattr(study, key) != getattr(standard, key):
+            note(f"{key} has no effect here: it applies only to simulated robots.")
+    if study.robots_from is RobotsFrom.ROS2:
+        for key, other in study.fleet.replaced():
+            note(f"{key} has no effect here: Nav2 robots have {other} instead.")
 
 
 def show_nothing(view: View) -> None:

@@ -118,7 +118,7 @@ def simr(
     from ui.command_line.listening import check_foxglove, graph_of, hosts_of, ros2_of, watch_of
     from ui.command_line.networks import check_doors, with_open_to
     from ui.command_line.settings import note_doubts, setting_of, study_of
-    from ui.commands.programs.client import address_of, new_token, settings_without_effect, tell_lost
+    from ui.commands.programs.client import address_of, new_token, note_settings_without_effect, tell_lost
     from ui.first_start.compiling import compile_ahead
 
     study_file = the_study(client.study_file, client.study_option)
@@ -163,8 +163,7 @@ def simr(
         make_ready(bag, setting.study.recording.compression)
     robots_graph = graph2 if source is RobotsFrom.ROS2 else graph
     if real and robots_graph is not None:
-        for setting_name in settings_without_effect(setting.study):
-            note(f"{setting_name} has no effect here: it applies only to simulated robots.")
+        note_settings_without_effect(setting.study)
         if graph2 is not None:
             note(f"ROS 2: {graph2}.")
         options = SimrOptions(host, port, new_token(), 1.0, bag, key=shown)

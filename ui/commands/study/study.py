@@ -2,12 +2,15 @@
 
 from itertools import chain
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ui.command_line.outputs import STANDARD_OUTPUT
 from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail, note, say
+
+if TYPE_CHECKING:
+    from thbridge.study.study_file import Study
 
 
 def study_init(
@@ -61,6 +64,7 @@ def study_check(
         return
     setting = setting_of(study_of(file, {}), file)
     note_doubts(setting)
+    _check_start(setting.study, file)
     with bad_input():
         check_manners(load_study(file))
         lacking, missing = advice_on_language(setting.study, file.parent), missing_in(setting.study, file.parent)
@@ -69,3 +73,23 @@ def study_check(
         note(f"Participants would see another language: {fault}")
     if lacking is not None:
         note(f"{lacking}.")
+
+
+def _check_start(study: "Study", file: Path) -> None:
+    """End the program with the message of a start, if a start of the study without options would be refused."""
+    from thbridge.study.robots_from import RobotsFrom
+    from ui.command_line.keys import keys_of
+    from ui.command_line.listening import ports_of, ros2_of, watch_of
+    from ui.command_line.networks import check_doors
+    from ui.command_line.options import Ros2Options, WatchOptions
+    from ui.commands.programs.client import note_settings_without_effect
+
+    ring, door = keys_of(study, file, None), None
+    if study.robots_from.is_real:
+        note_settings_without_effect(study)
+    else:
+        ports_of(study, file, None)
+        door = watch_of(study, file, WatchOptions(), ring)
+    # A study with simulated robots may join its ROS 2 graph by an option.
+    robots_graph = ros2_of(study, Ros2Options(join_ros2=study.robots_from is RobotsFrom.ROS2))
+    check_doors(study, ring, door, None, robots_graph or study.ros2.address)
