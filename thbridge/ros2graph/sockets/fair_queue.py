@@ -45,7 +45,7 @@ class _Line:
 
     datagrams: deque[QueuedDatagram] = field(default_factory=deque)
     size: int = 0
-    left_ns: int = 0
+    left_ns: int = _TURN_NS
 
 
 class FairQueue:
