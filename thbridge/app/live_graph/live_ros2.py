@@ -173,8 +173,9 @@ class LiveRos2Graph:
             self._subscribe_to_awaited()
         self._parameters.follow(tick, self._team.parameters)
         self._services.advance()
+        has_amcl = self._external.amcl
         for message in (clock_message(tick), *messages):
-            if self._external.amcl and message.topic.name == names.TF:
+            if has_amcl and message.topic.name == names.TF:
                 message = message._replace(data=without_corrections(message.data))  # noqa: PLW2901
             if not message.foreign:
                 for topic in self._topics.get(message.topic.name, ()):

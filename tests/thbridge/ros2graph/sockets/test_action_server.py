@@ -101,6 +101,16 @@ def test_a_goal_with_feedback_status_and_result(name: str) -> None:
     assert {client for _, client in served.asked} == {"/operator"}
 
 
+def test_feedback_is_not_made_if_no_client_receives_it() -> None:
+    kind = Distribution.of("kilted")
+    robot = DrivenRobot(kind)
+    GraphActionServer(LoopbackGraph().program(), SERVER, NAME, kind, NAVIGATE_TO_POSE, robot.navigate)
+    robot.navigate.receive_goal(A, navigation_goal(kind, 3.0), "/operator")
+    robot.step(10)
+    assert robot.navigate.goals.state(A) is EXECUTING
+    assert robot.navigate.take_feedback() == []
+
+
 def test_a_repeated_id_is_rejected_and_an_unknown_goal_has_no_result() -> None:
     served = ServedRobot("kilted")
     served.send(A)

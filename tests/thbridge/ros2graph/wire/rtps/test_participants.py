@@ -212,6 +212,18 @@ def test_a_silent_participant_is_forgotten_after_its_lease_and_a_restarted_one_i
     assert not pair.first.has_peer(pair.second.prefix)
 
 
+def test_acknowledgments_are_requested_only_after_the_last_sample_of_a_stream() -> None:
+    network = RtpsNetwork()
+    pair = Pair(network, DEFAULT, DEFAULT)
+    pair.meet()
+    for payload in payloads(SEVERAL):
+        pair.write(payload)
+        network.tick()
+        assert not pair.writer.has_acknowledged(pair.reader.guid, 1)
+    network.run(lambda: pair.writer.has_acknowledged(pair.reader.guid, SEVERAL), 3)
+    assert pair.got == payloads(SEVERAL)
+
+
 def test_a_thousand_endpoints_need_few_datagrams() -> None:
     network = RtpsNetwork()
     first, second = network.join(0), network.join(1)
