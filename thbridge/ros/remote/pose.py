@@ -69,6 +69,8 @@ class RemotePose:
         self._odom_in_map: Pose2 | None = None
         self._tf_ns: int | None = None
         self._amcl_stamp_ns = -1
+        self._early: Pose2 | None = None
+        """Pose of the localization from before the first odometry."""
         self._covariance = _UNKNOWN
         self._blind = 0.0
         self._restarted = False
@@ -117,7 +119,9 @@ class RemotePose:
         self._amcl_stamp_ns = message.stamp_ns
         self._covariance = message.covariance
         self._updated = True
-        if self._tf_ns is None and self._odometry:
+        if not self._odometry:
+            self._early = message.pose
+        elif self._tf_ns is None:
             stamp_ns, base_in_odom = min(self._odometry, key=lambda entry: abs(entry[0] - message.stamp_ns))
             # A latched pose from before our start is valid, because amcl publishes the next one when the robot moves.
             if self._odom_in_map is None or abs(stamp_ns - message.stamp_ns) <= _APART_NS:
@@ -192,6 +196,9 @@ class RemotePose:
         self.received_ns, self._stamp_ns = now_ns, stamp_ns
         self.base_in_odom, self.twist = base_in_odom, twist
         self._odometry.append((stamp_ns, base_in_odom))
+        if self._early is not None and self._tf_ns is None:
+            self._correct(self._early.compose(base_in_odom.inverse()))
+        self._early = None
         return None
 
     def _continues_suspect(self, stamp_ns: int, base_in_odom: Pose2) -> bool:

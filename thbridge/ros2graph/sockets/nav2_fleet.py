@@ -29,7 +29,7 @@ from thbridge.ros2graph.sockets.action_client import GraphActionClient
 from thbridge.ros2graph.sockets.carrier import GraphCarrier
 from thbridge.ros2graph.sockets.joining import NodeTaken, find_nodes
 from thbridge.ros2graph.sockets.nav2_fleet_parameters import Nav2FleetParameters
-from thbridge.ros2graph.values.graph import EndpointRole, NodeName
+from thbridge.ros2graph.values.graph import EndpointRole, GraphEndpoint, NodeName
 from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.sockets.warn_once import WarnOnce
 
@@ -86,11 +86,15 @@ class _Subscription:
         topic: its name on the graph, and its type in ROS 1.
         kind: its type.
         receivers: robots that read it, each with the name of the topic in ROS 1.
+        reads_latched: True if a second subscription reads the messages of latched publishers.
+        latched: gids of these publishers.
     """
 
     topic: Topic
     kind: str
     receivers: list[tuple[RemoteRobot, str]] = field(default_factory=list)
+    reads_latched: bool = False
+    latched: frozenset[bytes] = frozenset()
 
 
 class Nav2Fleet(RemoteTeam):
@@ -272,13 +276,14 @@ class Nav2Fleet(RemoteTeam):
         for subscription in self._subscribed.values():
             self._subscribe(subscription)
 
-    def _subscribe(self, subscription: _Subscription) -> None:
+    def _subscribe(self, subscription: _Subscription, *, from_latched: bool = False) -> None:
+        """Subscribe to a topic; if `from_latched` is True, to the last messages of its latched publishers."""
         name, ros1_type, _ = subscription.topic
         convert = converter_to_ros1(self._distribution, subscription.kind, ros1_type)
 
         def on_message(data: bytes, gid: bytes) -> None:
             now_ns = self.now()
-            if now_ns is None:
+            if now_ns is None or (gid in subscription.latched) is not from_latched:
                 return
             publisher = self._carrier.node_of(gid)
             try:
@@ -292,16 +297,17 @@ class Nav2Fleet(RemoteTeam):
                     self._complaints.warn(f"{name}: a message of {publisher} is ignored: {refused.sentence}")
 
         qos = {types.TFMESSAGE: TF, types.OCCUPANCY_GRID: LATCHED}.get(ros1_type, _STREAM)
-        if subscription.topic.latched:
+        if subscription.topic.latched or from_latched:
             qos = LATCHED
         support = self._distribution.message(subscription.kind)
         self._carrier.subscribe(NODE, name, support, qos, on_message)
 
     def _look_at_publishers(self) -> None:
-        """Subscribe to topics that are only recorded, and report publishers of other types than expected."""
-        for endpoint in self._carrier.endpoints():
-            if endpoint.role is not EndpointRole.PUBLISHER:
-                continue
+        """Subscribe to topics as their publishers require, and report publishers of other types than expected."""
+        publishers = [each for each in self._carrier.endpoints() if each.role is EndpointRole.PUBLISHER]
+        if self._listens:
+            self._read_latched_poses(publishers)
+        for endpoint in publishers:
             known = self._subscribed.get(endpoint.name)
             if known is not None and known.kind != endpoint.type:
                 who = "a node" if endpoint.node is None else endpoint.node.whole
@@ -318,6 +324,21 @@ class Nav2Fleet(RemoteTeam):
                     self._complaints.warn(f"{endpoint.name} is not recorded, because ROS 1 has no {endpoint.type}")
                 else:
                     self._subscribed[endpoint.name] = subscription
+
+    def _read_latched_poses(self, publishers: Sequence[GraphEndpoint]) -> None:
+        """Read poses of latched publishers by a latched subscription.
+
+        Nav2's amcl publishes the pose of a standing robot once, latched. Other localizations may not be latched, and a
+        latched subscription does not match these.
+        """
+        for robot in self._robots:
+            pose = self._subscribed[robot.remote.names.amcl_pose]
+            pose.latched = frozenset(
+                each.gid for each in publishers if each.name == pose.topic.name and each.qos.satisfies(LATCHED)
+            )
+            if pose.latched and not pose.reads_latched:
+                pose.reads_latched = True
+                self._subscribe(pose, from_latched=True)
 
     def _receive_clock(self, clock: RosClock, data: bytes, gid: bytes) -> None:
         if len(data) != 4 + _TIME.size or data[1] != 1:

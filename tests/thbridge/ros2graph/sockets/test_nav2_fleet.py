@@ -175,6 +175,31 @@ def test_what_is_missing_is_reported_with_its_topics() -> None:
     assert lab.fleet.missing() == []
 
 
+def test_the_pose_of_a_robot_that_stood_before_the_start_is_known() -> None:
+    lab = Lab()
+    lab.mute = {"/robot1/tf", "/robot1/amcl_pose", "/robot1/odom"}
+    lab.writers["/robot1/amcl_pose"](pack.pose_with_covariance(0, "map", Pose2(1.0, 2.0, 0.0), np.eye(3)))
+    lab.graph.pending.clear()  # The fleet was not there yet.
+    lab.look()
+    lab.mute.discard("/robot1/odom")  # The first odometry may arrive later.
+    lab.look()
+    lab.look()
+    assert lab.fleet.missing() == []
+    here = lab.fleet.step().robots[0].estimate.base_in_map
+    assert (here.x, here.y) == (1.0, 2.0)
+
+
+@pytest.mark.parametrize("qos", [LATCHED, DEFAULT, SENSOR_DATA], ids=["latched", "volatile", "best effort"])
+def test_each_pose_arrives_once_with_any_quality_of_service(qos: QosProfile) -> None:
+    lab = Lab()
+    lab.mute = {"/robot1/amcl_pose"}
+    publish = lab.publish("/robot1/amcl_pose", types.POSE_WITH_COVARIANCE, qos)
+    lab.look()
+    publish(pack.pose_with_covariance(0, "map", Pose2(0.0, 0.0, 0.0), np.eye(3)))
+    lab.look()
+    assert [topic.name for topic, _, _ in lab.recorder.came].count("/robot1/amcl_pose") == 1
+
+
 def test_a_goal_is_reached(lab: Lab) -> None:
     snapshot = lab.step(SendGoal(0, GOAL), seconds=0.2)
     assert snapshot.robots[0].navigation.goal == GOAL
