@@ -77,4 +77,4 @@ class GraphCarrier(Protocol):
         """Return the endpoints of other programs that are known at this time."""
 
     def node_of(self, gid: bytes) -> str:
-        """Return the full name of the node of an endpoint; its gid as hexadecimal digits if the node is unknown."""
+        """Return the full name of the node of an endpoint; a text without "/" if the node is unknown."""

@@ -2,8 +2,7 @@
 
 import logging
 import threading
-import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -16,13 +15,6 @@ MOST_BYTES = 64 << 20
 """Maximum number of bytes that wait in a queue."""
 _MOST_CLIENTS = 16
 """Maximum number of clients for which calls wait at the same time."""
-_PROMPT_CLIENTS = 4
-"""The same for prompt clients."""
-_QUICK_CALLS = 2
-"""Number of quick calls in a row after which a client is prompt."""
-_QUICK_SECONDS = 1.0
-_MOST_KNOWN = 4096
-"""Maximum number of clients whose quick calls are counted."""
 
 Job: TypeAlias = Callable[[], None]
 _Item = TypeVar("_Item")
@@ -107,58 +99,71 @@ class CallThread:
                 _log.exception("a call failed")
 
 
+class ClientShares:
+    """Amounts that clients use together, up to a total. One client may use a quarter of it, or more for one thing."""
+
+    def __init__(self, total: int) -> None:
+        self._total = total
+        self._used: Counter[str] = Counter()
+        self._lock = threading.Lock()
+
+    def take(self, client: str, amount: int) -> bool:
+        """Take an amount for a client. Return False, and take nothing, if this is too much."""
+        with self._lock:
+            used = self._used[client]
+            fits = self._used.total() + amount <= self._total and (not used or used + amount <= self._total // 4)
+            if fits:
+                self._used[client] += amount
+        return fits
+
+    def give_back(self, client: str, amount: int) -> None:
+        """Give back an amount that was taken."""
+        with self._lock:
+            self._used[client] -= amount
+            if not self._used[client]:
+                del self._used[client]
+
+
 class ClientThreads:
     """Threads for calls that wait for clients. Calls for the same client are made one after the other.
 
-    So a client that does not read delays no other client, as long as there are not too many such clients. Clients whose
-    last calls took no time have some threads of their own, because hostile clients may invent any number of names.
+    So a client that does not read delays no other client, as long as there are not too many such clients.
     """
 
     def __init__(self, name: str) -> None:
-        self._others = ThreadPoolExecutor(_MOST_CLIENTS, name)
-        self._prompt = ThreadPoolExecutor(_PROMPT_CLIENTS, f"{name}, prompt")
-        self._quick_calls: dict[bytes, int] = {}
-        self._waiting: dict[bytes, deque[tuple[Job, int]]] = {}
-        self._bytes = 0
+        self._pool = ThreadPoolExecutor(_MOST_CLIENTS, name)
+        self._waiting: dict[str, deque[tuple[Job, int]]] = {}
+        self._bytes = ClientShares(MOST_BYTES)
         self._lock = threading.RLock()  # Garbage collection may post a call at any time.
 
-    def post(self, client: bytes, job: Job, size: int) -> bool:
-        """Make a call that keeps a number of bytes.
+    def post(self, client: str, job: Job, size: int) -> bool:
+        """Make a call that keeps a number of bytes. Return False, and do nothing, if too many bytes wait already.
 
-        Return False, and do nothing, if the client is not prompt and too many bytes wait already.
+        Calls that keep no bytes are always made.
         """
+        if size and not self._bytes.take(client, size):
+            return False
         with self._lock:
-            is_prompt = self._quick_calls.get(client, 0) >= _QUICK_CALLS
-            if size and not is_prompt and self._bytes + size > MOST_BYTES:
-                return False
-            self._bytes += size
             jobs = self._waiting.setdefault(client, deque())
             jobs.append((job, size))
             if len(jobs) == 1:
                 with suppress(RuntimeError):  # It has ended.
-                    (self._prompt if is_prompt else self._others).submit(self._run, client, jobs)
+                    self._pool.submit(self._run, client, jobs)
         return True
 
     def end(self) -> None:
         """Make no further calls."""
-        for pool in (self._others, self._prompt):
-            pool.shutdown(wait=False, cancel_futures=True)
+        self._pool.shutdown(wait=False, cancel_futures=True)
 
-    def _run(self, client: bytes, jobs: deque[tuple[Job, int]]) -> None:
+    def _run(self, client: str, jobs: deque[tuple[Job, int]]) -> None:
         while True:
             job, size = jobs[0]
-            began = time.monotonic()
             try:
                 job()
             except Exception:
                 _log.exception("a call failed")
+            self._bytes.give_back(client, size)
             with self._lock:
-                quick_calls = self._quick_calls.pop(client, 0)
-                if time.monotonic() < began + _QUICK_SECONDS:
-                    self._quick_calls[client] = quick_calls + 1
-                    if len(self._quick_calls) > _MOST_KNOWN:
-                        del self._quick_calls[next(iter(self._quick_calls))]
-                self._bytes -= size
                 jobs.popleft()
                 if not jobs:
                     del self._waiting[client]

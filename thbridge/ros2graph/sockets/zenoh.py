@@ -82,7 +82,7 @@ class ZenohCarrier:
     def serve(self, node: NodeName, service: str, support: ServiceSupport, on_request: OnRequest) -> None:
         """Announce a server of a service."""
         keys = self._endpoint(node, EndpointRole.SERVER, service, support, SERVICES)
-        serve(self._link, keys, on_request)
+        serve(self._link, keys, on_request, self.node_of)
         self._link.announce(keys.liveliness)
 
     def client(self, node: NodeName, service: str, support: ServiceSupport) -> ZenohClient:
@@ -104,7 +104,7 @@ class ZenohCarrier:
             return self._graph.endpoints()
 
     def node_of(self, gid: bytes) -> str:
-        """Return the full name of the node of an endpoint; its gid as hexadecimal digits if the node is unknown."""
+        """Return the full name of the node of an endpoint, or `UNANNOUNCED` if the endpoint is unknown."""
         with self._lock:
             return self._graph.node_of(gid)
 

@@ -8,7 +8,6 @@ from collections import deque
 from collections.abc import Callable, Container
 from functools import partial
 from math import inf
-from threading import Semaphore
 
 import zenoh
 from zenoh import ext
@@ -16,9 +15,10 @@ from zenoh.handlers import Callback
 
 from thbridge.ros2.qos import DeliveryReliability, Durability, QosProfile
 from thbridge.ros2graph.sockets.carrier import OnMessage, OnRequest
-from thbridge.ros2graph.sockets.last_items import LastItems
+from thbridge.ros2graph.sockets.last_items import ClientShares, LastItems
 from thbridge.ros2graph.sockets.zenoh_link import ZenohLink
 from thbridge.ros2graph.wire.zenoh.attachments import Attachment
+from thbridge.ros2graph.wire.zenoh.graph import UNANNOUNCED
 from thbridge.ros2graph.wire.zenoh.keys import EndpointKeys
 from thbridge.sockets.warn_once import WarnOnce
 
@@ -39,7 +39,9 @@ the event loop, because Python runs one thread at a time."""
 _MOST_WAITING = 32
 """Maximum number of requests of a service that wait for the event loop."""
 _MOST_OPEN = 256
-"""Maximum number of requests of a service that wait for the event loop, or for their response."""
+"""Maximum number of requests of a service that wait for the event loop, or for their response. See `ClientShares`."""
+_REFUSED_BYTES = 1000
+"""Number of bytes that a refused request keeps until it is ended, in addition to its content."""
 
 
 class ZenohWriter:
@@ -183,28 +185,37 @@ def subscribe(
     link.call(lambda session: link.keep(_subscriber(session, keys.data, qos, Callback(take, indirect=False))))
 
 
-def serve(link: ZenohLink, keys: EndpointKeys, on_request: OnRequest) -> None:
-    """Serve requests of other programs."""
-    places = Semaphore(_MOST_OPEN)
+def serve(link: ZenohLink, keys: EndpointKeys, on_request: OnRequest, node_of: Callable[[bytes], str]) -> None:
+    """Serve requests of other programs.
+
+    Args:
+        node_of: function that returns the name of the node of a client's gid. Clients of a node share its limits.
+    """
+    places = ClientShares(_MOST_OPEN)
 
     def begin(item: tuple[bytes, _Response]) -> None:
-        on_request(item[0], item[1].client, item[1])
+        on_request(item[0], item[1].gid, item[1])
 
     pending = LastItems(_MOST_WAITING, link.wake, begin)
+
+    def end(query: zenoh.Query, client: str) -> None:
+        kept = 0 if query.payload is None else len(query.payload)
+        if not link.reply(client, query.drop, _REFUSED_BYTES + kept):
+            query.drop()
 
     def take(query: zenoh.Query) -> None:
         # The end of a request waits for its client. On this thread, all other clients would wait, too.
         attachment = _attachment(query.attachment, keys.data)
         if attachment is None or query.payload is None:
-            link.reply(b"", query.drop)
+            end(query, UNANNOUNCED)
             return
-        request = query.payload.to_bytes()
-        fits = places.acquire(blocking=False)
+        client, request = node_of(attachment.gid), query.payload.to_bytes()
+        fits = places.take(client, 1)
         if fits:
-            response = _Response(link, keys.data, attachment, query, places)
+            response = _Response(link, keys.data, attachment, query, client, partial(places.give_back, client, 1))
             fits = pending.push((request, response), len(request))
         else:
-            link.reply(attachment.gid, query.drop)
+            end(query, client)
         if not fits:
             _warnings.warn(f"{keys.data}: too many requests wait; further ones are refused")
             time.sleep(_PAUSE_SECONDS)
@@ -222,24 +233,34 @@ class _Response:
     of their own.
 
     Args:
-        places: limit of the requests that wait. This request has a place, and gives it back.
+        client: name of the client's node.
+        give_back: function that gives back the place of this request among those that wait.
     """
 
-    def __init__(self, link: ZenohLink, data: str, request: Attachment, query: zenoh.Query, places: Semaphore) -> None:
-        self.client = request.gid
+    def __init__(
+        self,
+        link: ZenohLink,
+        data: str,
+        request: Attachment,
+        query: zenoh.Query,
+        client: str,
+        give_back: Callable[[], None],
+    ) -> None:
+        self.gid = request.gid
+        self._client = client
         self._link = link
         self._data = data
         self._request = request
         self._query: zenoh.Query | None = query
-        self._places = places
+        self._give_back = give_back
 
     def __call__(self, response: bytes) -> None:
         query = self._query
         if query is None:
             return
-        attachment = Attachment(self._request.number, time.time_ns(), self.client).write()
+        attachment = Attachment(self._request.number, time.time_ns(), self.gid).write()
         send = partial(query.reply, self._data, response, attachment=attachment)
-        if self._link.reply(self.client, partial(_end, query, self._places, send), len(response)):
+        if self._link.reply(self._client, partial(_end, query, self._give_back, send), len(response)):
             self._query = None
         else:
             _warnings.warn(f"{self._data}: too many responses wait to be sent; some are dropped")
@@ -247,16 +268,16 @@ class _Response:
     def __del__(self) -> None:
         query = self._query
         if query is not None:
-            self._link.reply(self.client, partial(_end, query, self._places))
+            self._link.reply(self._client, partial(_end, query, self._give_back), 0)
 
 
-def _end(query: zenoh.Query, places: Semaphore, send: Callable[[], None] = lambda: None) -> None:
+def _end(query: zenoh.Query, give_back: Callable[[], None], send: Callable[[], None] = lambda: None) -> None:
     """Send a response, if there is one, and end the request."""
     try:
         send()
         query.drop()
     finally:
-        places.release()
+        give_back()
 
 
 def _attachment(data: zenoh.ZBytes | None, key: str) -> Attachment | None:

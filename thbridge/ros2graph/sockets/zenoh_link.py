@@ -81,8 +81,8 @@ class ZenohLink:
 
         self._calls.post(lambda: None if self._session is None else job(self._session))
 
-    def reply(self, client: bytes, job: Job, size: int = 0) -> bool:
-        """Make a call that may wait for a client. Return False if too many bytes wait already, and do nothing then."""
+    def reply(self, client: str, job: Job, size: int) -> bool:
+        """Make a call that may wait for a client's node. See `ClientThreads.post`."""
         return self._replies.post(client, lambda: None if self._session is None else job(), size)
 
     def call_later(self, seconds: float, job: Callable[[zenoh.Session], None]) -> None:

@@ -5,7 +5,7 @@ import threading
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.ros2graph.sockets.last_items import MOST_BYTES, CallThread, ClientThreads, LastItems
+from thbridge.ros2graph.sockets.last_items import MOST_BYTES, CallThread, ClientShares, ClientThreads, LastItems
 
 
 @given(st.integers(1, 4), st.lists(st.integers(0, 3) | st.none(), max_size=60))
@@ -72,28 +72,52 @@ def test_a_call_that_never_returns_does_not_block_the_end():
 
 def test_a_client_for_which_a_call_waits_delays_no_other_client():
     threads, released, done, order = ClientThreads("test"), threading.Event(), threading.Event(), []
-    threads.post(b"slow", released.wait, 0)
+    threads.post("slow", released.wait, 0)
     for number in range(3):
-        threads.post(b"slow", lambda number=number: order.append(number), 0)
-    threads.post(b"other", lambda: order.append("other"), 0)
-    threads.post(b"other", lambda: 1 / 0, 0)
-    threads.post(b"other", done.set, 0)
+        threads.post("slow", lambda number=number: order.append(number), 0)
+    threads.post("other", lambda: order.append("other"), 0)
+    threads.post("other", lambda: 1 / 0, 0)
+    threads.post("other", done.set, 0)
     assert done.wait(10)
     assert order == ["other"]
     done.clear()
     released.set()
-    threads.post(b"slow", done.set, 0)
+    threads.post("slow", done.set, 0)
     assert done.wait(10)
     assert order == ["other", 0, 1, 2]
     threads.end()
-    assert threads.post(b"late", lambda: order.append("late"), 0)
+    assert threads.post("late", lambda: order.append("late"), 0)
 
 
 def test_bytes_that_wait_for_clients_are_bounded():
     threads, released, done = ClientThreads("test"), threading.Event(), threading.Event()
-    assert threads.post(b"a", released.wait, MOST_BYTES)
-    assert not threads.post(b"b", done.set, 1)
-    assert threads.post(b"c", done.set, 0)
+    assert threads.post("a", released.wait, MOST_BYTES)
+    assert not threads.post("b", done.set, 1)
+    assert threads.post("c", done.set, 0)
     assert done.wait(10)
     released.set()
     threads.end()
+
+
+def test_a_client_that_uses_its_share_leaves_the_rest_to_others():
+    shares = ClientShares(256)
+    assert [shares.take("flood", 1) for _ in range(65)] == [True] * 64 + [False]
+    assert shares.take("other", 192)  # More than a quarter, if it is one thing.
+    assert not shares.take("other", 1)
+    assert not shares.take("third", 1)
+    shares.give_back("flood", 1)
+    assert shares.take("third", 1)
+
+
+@given(st.lists(st.tuples(st.sampled_from("abcdef"), st.integers(1, 30)), max_size=200))
+def test_shares_are_bounded_and_all_that_is_given_back_can_be_taken_again(steps):
+    shares, taken = ClientShares(100), []
+    for at, (client, amount) in enumerate(steps):
+        if at % 3 == 2 and taken:
+            shares.give_back(*taken.pop(0))
+        elif shares.take(client, amount):
+            taken.append((client, amount))
+        assert sum(each for _, each in taken) <= 100
+    for each in taken:
+        shares.give_back(*each)
+    assert shares.take("all", 100)

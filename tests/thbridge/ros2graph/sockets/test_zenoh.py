@@ -18,6 +18,7 @@ from thbridge.ros2graph.sockets.zenoh import ZenohCarrier
 from thbridge.ros2graph.sockets.zenoh_settings import peer_settings
 from thbridge.ros2graph.values.graph import EndpointRole
 from thbridge.ros2graph.wire.zenoh.attachments import Attachment
+from thbridge.ros2graph.wire.zenoh.graph import UNANNOUNCED
 from thbridge.ros2graph.wire.zenoh.keys import SessionKeys, data_key
 from thbridge.sockets.addresses import Address
 from thbridge.sockets.errors import CannotReach
@@ -46,7 +47,7 @@ def test_messages_arrive_in_order_with_their_publisher():
             await until(lambda: len(got) == 5)
             assert [message for message, _ in got] == [bytes([number]) for number in range(5)]
             assert {there.node_of(gid) for _, gid in got} == {"/robot1/amcl"}
-            assert there.node_of(bytes(16)) == "00" * 16
+            assert there.node_of(bytes(16)) == UNANNOUNCED
             assert (own, writer.readers) == ([], 1)
 
     run(scenario)
@@ -121,13 +122,20 @@ def test_a_client_that_does_not_read_its_responses_delays_nobody():
             waits = Callback(lambda sample: released.wait() and None, indirect=False)
             subscribed = hostile.declare_subscriber(KEY, waits)
             key = data_key(DOMAIN, "/add", ADD.dds_name, ADD.hash)
-            while len(served) < 200:  # More than 256 would leave no place for the honest client.
-                number = len(served)
-                valid = Attachment(number, 1, bytes(16)).write()
+
+            def request(number: int) -> None:
+                # A new gid for each request does not make another client of it.
+                valid = Attachment(number, 1, number.to_bytes(16)).write()
                 hostile.get(key, waits, target=zenoh.QueryTarget.ALL_COMPLETE, payload=b"", attachment=valid)
-                with suppress(TimeoutError):  # The first requests come before zenoh knows the way.
+
+            while not served:  # The first requests come before zenoh knows the way.
+                request(0)
+                with suppress(TimeoutError):
                     async with asyncio.timeout(0.2):
-                        await until(lambda number=number: len(served) > number)
+                        await until(lambda: served)
+            for number in range(600):
+                request(number)
+            await until(lambda: len(served) > 64)
             # zenoh waits 5 s for a client before it closes the connection.
             async with asyncio.timeout(3.0):
                 for number in range(30):

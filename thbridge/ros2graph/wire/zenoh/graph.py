@@ -8,6 +8,9 @@ from thbridge.ros2graph.wire.zenoh.keys import Announcement, read_liveliness_key
 
 MOST_KEYS = 16_384
 """Maximum number of liveliness keys of other programs. Further keys are ignored."""
+UNANNOUNCED = "unannounced_program"
+"""Name for all programs that do not announce the endpoint of a message. They can write a new gid in each message, so
+with a name for each gid, one of them would take the turns of many clients."""
 
 
 class AnnouncedGraph:
@@ -62,6 +65,6 @@ class AnnouncedGraph:
         return self._counts[role, data]
 
     def node_of(self, gid: bytes) -> str:
-        """Return the full name of an endpoint's node; its gid as hexadecimal digits if the endpoint is unknown."""
+        """Return the full name of an endpoint's node, or `UNANNOUNCED` if the endpoint is unknown."""
         endpoint = self._by_gid.get(gid)
-        return gid.hex() if endpoint is None or endpoint.node is None else endpoint.node.whole
+        return UNANNOUNCED if endpoint is None or endpoint.node is None else endpoint.node.whole

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from thbridge.ros2.qos import QosProfile
 from thbridge.ros2graph.values.graph import EndpointRole, NodeName
-from thbridge.ros2graph.wire.zenoh.graph import MOST_KEYS, AnnouncedGraph
+from thbridge.ros2graph.wire.zenoh.graph import MOST_KEYS, UNANNOUNCED, AnnouncedGraph
 from thbridge.ros2graph.wire.zenoh.keys import SessionKeys
 
 HASH = "RIHS01_" + "0" * 64
@@ -31,7 +31,7 @@ def test_nodes_and_endpoints_come_and_go():
     graph.remove(keys.liveliness)
     graph.remove(node)
     assert (graph.nodes(), graph.endpoints(), graph.count(EndpointRole.PUBLISHER, keys.data)) == ([], [], 0)
-    assert graph.node_of(keys.gid) == keys.gid.hex()
+    assert graph.node_of(keys.gid) == UNANNOUNCED
 
 
 def test_own_announcements_are_not_part_of_the_graph():
