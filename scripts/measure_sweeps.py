@@ -90,9 +90,9 @@ def cluster(folder: Path) -> Iterator[tuple[str, int, list[int]]]:
     try:
         yield json.loads(place.read_text())["address"], scheduler, workers
     finally:
-        for program in programs:
+        # A worker does not end without its scheduler, so the scheduler, which started first, ends last.
+        for program in reversed(programs):
             program.terminate()
-        for program in programs:
             program.wait()
 
 
