@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from thbridge.files.errors import reason_of
 from thbridge.sockets.addresses import Address
 
+_NOT_OURS = "this machine does not have this address"
+_OTHER_PORT = "Stop the program that uses the port, or choose another host or port"
+
 
 @dataclass(frozen=True, slots=True)
 class CannotListen:
@@ -21,16 +24,14 @@ class CannotListen:
         if not isinstance(error, OSError):
             reason = "this is not the name of a host"
         elif error.errno == errno.EADDRNOTAVAIL:
-            reason = "this machine does not have this address"
+            reason = _NOT_OURS
         else:
             reason = reason_of(error)
         return cls(host, port, reason)
 
     def __str__(self) -> str:
-        return (
-            f"cannot listen on {self.host}:{self.port}: {self.reason}. "
-            "Stop the program that uses the port, or choose another host or port."
-        )
+        remedy = "Write an address of this machine" if self.reason == _NOT_OURS else _OTHER_PORT
+        return f"cannot listen on {self.host}:{self.port}: {self.reason}. {remedy}."
 
 
 @dataclass(frozen=True, slots=True)

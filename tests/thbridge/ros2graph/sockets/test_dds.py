@@ -107,7 +107,7 @@ def test_calls_get_their_own_responses() -> None:
 @pytest.mark.parametrize(
     ("domain", "interface", "reason"),
     [
-        (0, "203.0.113.9", "this machine does not have this address"),
+        (0, "203.0.113.9", "does not have this address. Write an address of this machine."),
         (LARGEST_DOMAIN + 1, "127.0.0.1", "range"),
         (0, "localhost", "IPv4"),
     ],
