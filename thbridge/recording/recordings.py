@@ -124,13 +124,11 @@ def reserve(bag: Path) -> None:
         BadFile: another running program records there, or the folder is not a recording.
         OSError: no bag can be started there.
     """
-    make_folder(bag.parent)
-    claim(bag)
+    _claim(bag)
     try:
-        _older(bag)
         with TemporaryFile(dir=bag.parent, buffering=0) as file:
             file.write(bytes(_LEAST))
-    except (BadFile, OSError):
+    except OSError:
         release(bag)
         raise
 
@@ -147,13 +145,7 @@ def make_room(bag: Path) -> Path | None:
         BadFile: another running program records there, or the folder is not a recording.
         OSError: the older recording cannot be renamed.
     """
-    make_folder(bag.parent)
-    claim(bag)
-    try:
-        old = _older(bag)
-    except BadFile:
-        release(bag)
-        raise
+    old = _claim(bag)
     if not old:
         return None
     number = next(n for n in range(1, 10**6) if not _is_taken(bag, f"{bag.stem}-{n}"))
@@ -162,6 +154,17 @@ def make_room(bag: Path) -> Path | None:
         path.rename(path.with_name(moved.stem + path.name.removeprefix(bag.stem)))
     sync_folder(bag.parent)
     return moved
+
+
+def _claim(bag: Path) -> list[Path]:
+    """Claim the name of a recording, and return the files of an older one. Raises BadFile, OSError: see `reserve`."""
+    make_folder(bag.parent)
+    claim(bag)
+    try:
+        return _older(bag)
+    except BadFile:
+        release(bag)
+        raise
 
 
 def _older(bag: Path) -> list[Path]:
