@@ -9,12 +9,16 @@ browser's console; `faults`, see `DrivenChromium`.
 import json
 import sys
 import time
+from contextlib import suppress
 
-from driven_chromium import CHANGES, DrivenChromium
+from driven_chromium import CHANGES, TIMEOUT, DrivenChromium
+from selenium.common.exceptions import TimeoutException
 from selenium.webdriver.common.keys import Keys
 
 LOOKING = 0.45
 """Seconds for which a person looks at a page before acting, because pages ignore earlier presses."""
+TOUCH_AGAIN = 10.0
+"""Seconds without an effect after which a person touches a button again."""
 DISAGREEING = ("Why not room", "I still want")
 """Parts of the answers of a person who does not agree."""
 INSISTING = (*DISAGREEING, "I want this", "Go to room")
@@ -63,10 +67,14 @@ class StudyPerson(DrivenChromium):
                 pass  # The page has changed between two looks at it.
 
     def leave(self, button):
-        """Press a button until the page has changed."""
+        """Press a button until the page has changed. A slow browser drops touches, so a person touches again."""
         article = self.shown(".reading")[0]
-        self.press(button)
-        self.until(lambda: not self.shown(".reading") or self.shown(".reading")[0] != article)
+        for seconds in (TOUCH_AGAIN, TIMEOUT) if self.how == "touch" else (TIMEOUT,):
+            self.press(button)
+            with suppress(TimeoutException):
+                self.until(lambda: not self.shown(".reading") or self.shown(".reading")[0] != article, seconds)
+                return
+        raise TimeoutError(f"the page did not change: {self.text('.reading')[:200]}")
 
     # Pages
 
