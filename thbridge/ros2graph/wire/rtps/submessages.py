@@ -108,6 +108,11 @@ class Acknowledgment:
     count: int
     final: bool
 
+    @property
+    def requests_heartbeat(self) -> bool:
+        """True if it comes from a reader that had no heartbeat yet. It acknowledges nothing."""
+        return self.base <= 1 and not self.missing and not self.final
+
 
 @dataclass(frozen=True, slots=True)
 class FragmentRequest:

@@ -51,6 +51,8 @@ class _MatchedReader:
         destination: where it receives.
         reliable: whether it acknowledges samples.
         start: number of the first sample that it gets.
+        has_begun: whether it knows where it starts. A reader of Cyclone DDS skips all samples of its first heartbeat,
+            so until it answers, heartbeats end before its first sample. Readers of a latched writer skip nothing.
         acknowledged: number up to which it has all samples.
         counted: count of its last acknowledgment.
         counted_fragments: count of its last request of fragments.
@@ -62,6 +64,7 @@ class _MatchedReader:
     destination: Destination
     reliable: bool
     start: int
+    has_begun: bool
     acknowledged: int
     counted: int = -1
     counted_fragments: int = -1
@@ -99,7 +102,7 @@ class RtpsWriter:
         self._count = 0
         self._readers: dict[Guid, _MatchedReader] = {}
         self.readers: KeysView[Guid] = self._readers.keys()
-        self._routes: list[tuple[Destination, bool]] = []
+        self._routes: list[tuple[Destination, bool]] | None = None
 
     @property
     def next(self) -> int:
@@ -121,12 +124,12 @@ class RtpsWriter:
             return True
         if len(self._readers) >= MOST_READERS:
             return False
-        both = (self.qos.durability, qos.durability)
-        start = 1 if both == (Durability.TRANSIENT_LOCAL, Durability.TRANSIENT_LOCAL) else self._last + 1
+        latched = qos.durability == self.qos.durability == Durability.TRANSIENT_LOCAL
+        start = 1 if latched else self._last + 1
         reliable = qos.reliability == self.qos.reliability == DeliveryReliability.RELIABLE
-        matched = _MatchedReader(reader[-4:], destination, reliable, start, start - 1)
+        matched = _MatchedReader(reader[-4:], destination, reliable, start, latched, start - 1)
         self._readers[reader] = matched
-        self._route()
+        self._routes = None
         if reliable:
             self._announce(matched, final=False)
         return True
@@ -134,7 +137,7 @@ class RtpsWriter:
     def unmatch(self, reader: Guid) -> None:
         """Stop sending to a reader."""
         if self._readers.pop(reader, None) is not None:
-            self._route()
+            self._routes = None
 
     def write(
         self, payload: bytes, stamp_ns: int, inline: bytes = b"", *, key: bool = False, only: Set[bytes] | None = None
@@ -159,15 +162,15 @@ class RtpsWriter:
             if len(self._history) > self._depth:
                 del self._history[next(iter(self._history))]
         # Only readers that miss something answer a final heartbeat.
-        heartbeat = self._heartbeat(UNKNOWN, self._first(), final=True)
-        for destination, reliable in self._routes:
+        heartbeat = self._heartbeat(UNKNOWN, self._first(), sequence, final=True)
+        for destination, with_heartbeat in self._route():
             if only is not None and destination.prefix not in only:
                 pieces_here: Sequence[bytes] = (encode_gap(UNKNOWN, self.id, (sequence,)),)
             else:
                 pieces_here = pieces
             for piece in pieces_here:
                 self._outbox.add(destination, piece)
-            if reliable:
+            if with_heartbeat:
                 self._outbox.add(destination, heartbeat)
         return sequence
 
@@ -183,13 +186,17 @@ class RtpsWriter:
         # Counts are not compared for equality: a reader that has lost us, and finds us again, counts from the start.
         self.returned += message.count < reader.counted
         reader.counted = message.count
+        begins = not reader.has_begun and message.base >= reader.start and not message.requests_heartbeat
+        if begins:
+            reader.has_begun = True
+            self._routes = None
         acknowledged = max(message.base, reader.start) - 1
-        if acknowledged > reader.acknowledged:
+        if begins or acknowledged > reader.acknowledged:
             reader.pause_ns, reader.due_ns = _FIRST_PAUSE_NS, None
         reader.acknowledged = acknowledged
         if not message.missing:
-            if not message.final:
-                self._announce(reader, final=True)
+            if begins or not message.final:
+                self._announce(reader, final=reader.has_begun)
             return
         gone: list[int] = []
         is_complete = True
@@ -225,17 +232,20 @@ class RtpsWriter:
             self._announce(reader, final=False)
 
     def tick(self, now_ns: int) -> bool:
-        """Send heartbeats to readers that have not acknowledged all samples. Return False if there are none.
+        """Send heartbeats to readers that have not begun, or have not acknowledged all samples.
 
-        New samples had heartbeats, so these are needed only after the last of several samples.
+        New samples had heartbeats, so readers that have begun need others only after the last of several samples.
+
+        Returns:
+            False if there are no such readers.
         """
         waiting = False
         has_written, self._last_of_tick = self._last > self._last_of_tick, self._last
         for reader in self._readers.values():
-            if not reader.reliable or reader.acknowledged >= self._last:
+            if not reader.reliable or (reader.has_begun and reader.acknowledged >= self._last):
                 continue
             waiting = True
-            if has_written or reader.due_ns is None:
+            if reader.due_ns is None or (has_written and reader.has_begun):
                 reader.due_ns = now_ns + reader.pause_ns
             elif now_ns >= reader.due_ns:
                 reader.pause_ns = min(2 * reader.pause_ns, _LONGEST_PAUSE_NS)
@@ -265,16 +275,25 @@ class RtpsWriter:
         return next(iter(self._history), self._last + 1)
 
     def _announce(self, reader: _MatchedReader, *, final: bool) -> None:
-        heartbeat = self._heartbeat(reader.id, max(self._first(), reader.start), final=final)
-        self._outbox.add(reader.destination, heartbeat)
+        first, last = max(self._first(), reader.start), self._last
+        if not reader.has_begun:
+            first, last = reader.start, reader.start - 1
+        self._outbox.add(reader.destination, self._heartbeat(reader.id, first, last, final=final))
 
-    def _heartbeat(self, reader: bytes, first: int, *, final: bool) -> bytes:
+    def _heartbeat(self, reader: bytes, first: int, last: int, *, final: bool) -> bytes:
         self._count += 1
-        return encode_heartbeat(reader, self.id, first, self._last, self._count, final=final)
+        return encode_heartbeat(reader, self.id, first, last, self._count, final=final)
 
-    def _route(self) -> None:
-        """Find the destinations of live samples: one for each participant, not for each reader."""
-        routes: dict[Destination, bool] = {}
-        for reader in self._readers.values():
-            routes[reader.destination] = routes.get(reader.destination, False) or reader.reliable
-        self._routes = list(routes.items())
+    def _route(self) -> list[tuple[Destination, bool]]:
+        """Return the destinations of live samples, one for each participant, and whether they get a heartbeat.
+
+        It is for all readers of the participant, so all of its reliable ones must have begun.
+        """
+        if self._routes is None:
+            routes: dict[Destination, bool | None] = {}
+            for each in self._readers.values():
+                begun = routes.setdefault(each.destination, None)
+                if each.reliable:
+                    routes[each.destination] = each.has_begun and begun is not False
+            self._routes = [(destination, bool(begun)) for destination, begun in routes.items()]
+        return self._routes

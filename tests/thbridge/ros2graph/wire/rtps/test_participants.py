@@ -34,6 +34,7 @@ from thbridge.ros2graph.wire.rtps.ros_names import DISCOVERY_TOPIC, DISCOVERY_TY
 from thbridge.ros2graph.wire.rtps.submessages import (
     DataFragment,
     FragmentRequest,
+    Heartbeat,
     decode_datagram,
     encode_acknowledgment,
     encode_data,
@@ -88,6 +89,32 @@ def test_reliable_samples_arrive_once_and_in_order(seed: int, loss: float, size:
     assert pair.got == payloads(SEVERAL, size)
     assert pair.second.held.held == 0
     assert network.faults == []
+
+
+class ReaderFromNow(RtpsReader):
+    """Reader that skips all samples of the first heartbeat, as Cyclone DDS does."""
+
+    def on_heartbeat(self, message: Heartbeat) -> None:
+        if message.writer in self._writers and self._writers[message.writer].next is None:
+            message = replace(message, first=message.last + 1)
+        super().on_heartbeat(message)
+
+
+@given(st.integers(0, 2**32), st.sampled_from([0.1, 0.3]))
+def test_all_samples_after_the_match_arrive_if_readers_skip_those_of_the_first_heartbeat(
+    seed: int, loss: float
+) -> None:
+    network = RtpsNetwork(loss, seed)
+    pair = Pair(network, DEEP, DEEP)
+    pair.reader.__class__ = ReaderFromNow
+    pair.write(b"lost")
+    network.run(lambda: bool(pair.writer.readers))
+    for payload in payloads(SEVERAL):
+        pair.write(payload)
+        if payload[0] % 8 == 0:
+            network.tick()
+    network.run(lambda: len(pair.got) >= SEVERAL)
+    assert pair.got == payloads(SEVERAL)
 
 
 @given(st.integers(0, 2**32))
