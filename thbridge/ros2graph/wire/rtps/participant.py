@@ -245,6 +245,10 @@ class RtpsParticipant:
                 *(each for each in self._initial if each.address not in known),
             ):
                 self._announce(destination)
+            for prefix, peer in self._peers.items():
+                # Cyclone DDS announces itself only once before its lease ends. One that has said goodbye is not asked.
+                if GOODBYE_NS < peer.expires_ns - now_ns < _lease_ns(peer.data) / 2:
+                    self._publications.ask(prefix + guids.PUBLICATIONS_READER)
         for endpoint in list(self._busy):
             if not endpoint.tick(now_ns):
                 self._busy.pop(endpoint, None)

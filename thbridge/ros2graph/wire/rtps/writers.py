@@ -231,6 +231,11 @@ class RtpsWriter:
         if all(self._resend(reader, piece) for piece in pieces):
             self._announce(reader, final=False)
 
+    def ask(self, reader: Guid) -> None:
+        """Request an acknowledgment from a reader."""
+        if reader in self._readers:
+            self._announce(self._readers[reader], final=False)
+
     def tick(self, now_ns: int) -> bool:
         """Send heartbeats to readers that have not begun, or have not acknowledged all samples.
 

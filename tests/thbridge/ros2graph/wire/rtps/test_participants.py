@@ -239,6 +239,17 @@ def test_a_silent_participant_is_forgotten_after_its_lease_and_a_restarted_one_i
     assert not pair.first.has_peer(pair.second.prefix)
 
 
+def test_a_participant_that_announces_itself_too_rarely_but_answers_is_not_forgotten() -> None:
+    network = RtpsNetwork()
+    pair = Pair(network, DEFAULT, DEFAULT)
+    pair.meet()
+    for _ in range(2 * LEASE_NS // limits.TICK_NS):
+        network.now_ns += limits.TICK_NS
+        pair.first.tick(network.now_ns)
+        network.settle()
+    assert pair.first.has_peer(pair.second.prefix)
+
+
 def test_acknowledgments_are_requested_only_after_the_last_sample_of_a_stream() -> None:
     network = RtpsNetwork()
     pair = Pair(network, DEFAULT, DEFAULT)
