@@ -12,7 +12,7 @@ from tests.thbridge.ros2graph.wire.rtps.rtps_network import HOST, STAMP, RtpsNet
 from thbridge.ros2.qos import DEFAULT, LATCHED, SENSOR_DATA, QosProfile
 from thbridge.ros2graph.values.graph import NodeName
 from thbridge.ros2graph.wire.rtps import participant as limits
-from thbridge.ros2graph.wire.rtps import readers
+from thbridge.ros2graph.wire.rtps import postponed, readers
 from thbridge.ros2graph.wire.rtps.correlation import related, related_request
 from thbridge.ros2graph.wire.rtps.dds_graph import DdsGraph
 from thbridge.ros2graph.wire.rtps.discovery import LEASE_NS, EndpointData, ParticipantData, disposal
@@ -29,12 +29,14 @@ from thbridge.ros2graph.wire.rtps.guids import (
 from thbridge.ros2graph.wire.rtps.outbox import RESENT_BYTES, Destination, Outbox
 from thbridge.ros2graph.wire.rtps.parameters import Parameter, UdpAddress
 from thbridge.ros2graph.wire.rtps.participant import RtpsParticipant
+from thbridge.ros2graph.wire.rtps.postponed import PostponedMessages
 from thbridge.ros2graph.wire.rtps.readers import HeldBytes, ReceivedSample, RtpsReader
 from thbridge.ros2graph.wire.rtps.ros_names import DISCOVERY_TOPIC, DISCOVERY_TYPE
 from thbridge.ros2graph.wire.rtps.submessages import (
     DataFragment,
     FragmentRequest,
     Heartbeat,
+    HeartbeatFragment,
     decode_datagram,
     encode_acknowledgment,
     encode_data,
@@ -412,6 +414,35 @@ def test_thousands_of_requests_and_heartbeats_in_a_datagram_get_one_answer() -> 
     for many in (requests, beats):
         participant.receive(encode_header(STRANGER) + b"".join(many), HOST, 0, STAMP)
         assert 0 < sum(len(each.datagram) for each in participant.drain()) < 12_000
+
+
+@given(st.lists(st.integers(0, 30), max_size=4))
+def test_no_participant_fills_the_places_of_those_that_wait_for_an_answer(counts: list[int]) -> None:
+    most, answers = 20, 5
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(postponed, "MOST_POSTPONED", most)
+        patch.setattr(postponed, "MOST_ANSWERS", answers)
+        waiting = PostponedMessages()
+        for sender, count in enumerate(counts):
+            for sequence in range(count):
+                waiting.add(FragmentRequest(bytes([sender]) + bytes(15), writer_id(1), sequence, [1], 1))
+        got = [0 for _ in counts]
+        while taken := waiting.take():
+            assert len(taken) <= answers
+            for each in taken:
+                assert isinstance(each, FragmentRequest)
+                got[each.reader[0]] += 1
+    assert sum(got) == min(most, sum(counts))
+    for mine, wanted in zip(got, counts, strict=True):
+        assert mine >= min(wanted, most // len(counts))
+
+
+def test_participants_are_answered_in_turn() -> None:
+    waiting = PostponedMessages()
+    for sender in range(2):
+        for sequence in range(postponed.MOST_ANSWERS):
+            waiting.add(HeartbeatFragment(bytes([sender]) + bytes(15), UNKNOWN, sequence, 1))
+    assert {each.writer[0] for each in waiting.take()[:2]} == {0, 1}
 
 
 def test_a_goodbye_in_the_name_of_another_participant_has_no_effect() -> None:
