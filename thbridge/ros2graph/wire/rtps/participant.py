@@ -330,6 +330,8 @@ class RtpsParticipant:
                     reader.on_fragment(message)
                 case SampleGap():
                     reader.on_gap(message)
+            if reader.waits_for(message.writer):
+                self._busy[reader] = None
 
     def _answer(self, message: PostponedMessage) -> None:
         match message:

@@ -40,8 +40,8 @@ MOST_LEFT = 64
 """Maximum number of lost writers whose position a reader remembers."""
 _OVERHEAD = 128
 """Bytes that a held sample or fragment needs in addition to its content."""
-_PAUSE_NS = 100_000_000
-"""Pause between two requests of a first heartbeat."""
+_PAUSE_NS, _LONGEST_PAUSE_NS = 100_000_000, 1_600_000_000
+"""Pauses before and between two requests that no heartbeat has asked for."""
 
 
 class HeldBytes:
@@ -121,7 +121,9 @@ class _MatchedWriter:
         early: samples that wait for an earlier one; None for a sample that will not come.
         incomplete: samples in reassembly.
         heartbeats: count of the last heartbeat.
-        due_ns: time of the next request of a first heartbeat.
+        asked: number of the next sample at the last request that no heartbeat has asked for.
+        pause_ns: pause until the next such request.
+        due_ns: time of the next such request; None until the next tick decides.
     """
 
     guid: Guid
@@ -132,7 +134,14 @@ class _MatchedWriter:
     early: dict[int, ReceivedSample | None] = field(default_factory=dict)
     incomplete: dict[int, _Incomplete] = field(default_factory=dict)
     heartbeats: int = -1
+    asked: int | None = None
+    pause_ns: int = _PAUSE_NS
     due_ns: int | None = None
+
+    @property
+    def waits(self) -> bool:
+        """True if its first heartbeat is missing, or something that it has sent before a sample or fragment."""
+        return self.reliable and (self.next is None or bool(self.early or self.incomplete))
 
 
 class RtpsReader:
@@ -261,18 +270,30 @@ class RtpsReader:
                     self._hold(writer, sequence, None)
         self._deliver(writer)
 
+    def waits_for(self, writer: Guid) -> bool:
+        """Return True if something of a writer is missing."""
+        matched = self._writers.get(writer)
+        return matched is not None and matched.waits
+
     def tick(self, now_ns: int) -> bool:
-        """Repeat requests of a first heartbeat. Return False if no writer waits for one."""
+        """Request first heartbeats, and what is missing: Fast DDS sends heartbeats only every 3 s.
+
+        Returns:
+            False if nothing is missing.
+        """
         waiting = False
         for writer in self._writers.values():
-            if not writer.reliable or writer.next is not None:
+            if not writer.waits:
+                writer.due_ns, writer.pause_ns = None, _PAUSE_NS
                 continue
             waiting = True
             if writer.due_ns is None:
-                writer.due_ns = now_ns + _PAUSE_NS
+                writer.due_ns = now_ns + writer.pause_ns
             elif now_ns >= writer.due_ns:
-                writer.due_ns = now_ns + _PAUSE_NS
-                self._request_heartbeat(writer)
+                is_stuck = writer.next is not None and writer.next == writer.asked
+                writer.pause_ns = min(2 * writer.pause_ns, _LONGEST_PAUSE_NS) if is_stuck else _PAUSE_NS
+                self._request(writer)
+                writer.asked, writer.due_ns = writer.next, now_ns + writer.pause_ns
         return waiting
 
     def _is_new(self, writer: _MatchedWriter, sequence: int) -> bool:
@@ -352,15 +373,15 @@ class RtpsReader:
 
     def _acknowledge(self, writer: _MatchedWriter, last: int, *, answer: bool) -> None:
         """Acknowledge all samples before `next`, and request the missing ones up to `last`."""
+        writer.due_ns = None
         base = writer.next or 1
         wanted = [each for each in range(base, min(last + 1, base + MOST_BITS)) if each not in writer.early]
         missing = [each for each in wanted if each not in writer.incomplete]
         if not (wanted or answer):
             return
         self._count += 1
-        acknowledgment = encode_acknowledgment(
-            self.id, writer.guid[-4:], base, missing, self._count, final=not wanted
-        )  # fmt: skip
+        # It is final: Fast DDS delays its next heartbeat by 3 s if it has nothing to send again for one that is not.
+        acknowledgment = encode_acknowledgment(self.id, writer.guid[-4:], base, missing, self._count, final=True)
         self._outbox.add(writer.destination, acknowledgment)
         for sequence in wanted:
             self._request_fragments(writer, sequence, MOST_FRAGMENTS)
@@ -373,6 +394,16 @@ class RtpsReader:
             self._count += 1
             request = encode_fragment_request(self.id, writer.guid[-4:], sequence, missing, self._count)
             self._outbox.add(writer.destination, request)
+
+    def _request(self, writer: _MatchedWriter) -> None:
+        """Request the first heartbeat, or what was sent before the newest sample or fragment that has arrived."""
+        if writer.next is None:
+            self._request_heartbeat(writer)
+            return
+        newest = max((*writer.early, *writer.incomplete))
+        self._acknowledge(writer, newest - 1, answer=False)
+        if newest in writer.incomplete:
+            self._request_fragments(writer, newest, max(writer.incomplete[newest].pieces, default=0))
 
     def _request_heartbeat(self, writer: _MatchedWriter) -> None:
         self._count += 1

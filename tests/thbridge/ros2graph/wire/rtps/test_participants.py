@@ -33,6 +33,7 @@ from thbridge.ros2graph.wire.rtps.postponed import PostponedMessages
 from thbridge.ros2graph.wire.rtps.readers import HeldBytes, ReceivedSample, RtpsReader
 from thbridge.ros2graph.wire.rtps.ros_names import DISCOVERY_TOPIC, DISCOVERY_TYPE
 from thbridge.ros2graph.wire.rtps.submessages import (
+    Acknowledgment,
     DataFragment,
     FragmentRequest,
     Heartbeat,
@@ -41,6 +42,7 @@ from thbridge.ros2graph.wire.rtps.submessages import (
     encode_acknowledgment,
     encode_data,
     encode_fragments,
+    encode_gap,
     encode_header,
     encode_heartbeat,
 )
@@ -539,6 +541,32 @@ def test_missing_fragments_are_requested_when_they_are_announced() -> None:
         if isinstance(each, FragmentRequest)
     ]
     assert requests[-1].missing == [2, 3, 5, 6, 7, 8]
+
+
+def test_what_was_sent_before_something_that_has_arrived_is_requested_without_a_heartbeat() -> None:
+    participant = alone()
+    writer = writer_id(1)
+    heartbeat = encode_heartbeat(UNKNOWN, writer, 1, 0, 1, final=True)
+    whole = encode_data(writer, 2, b"2nd.", STAMP)
+    pieces = encode_fragments(writer, 4, bytes(100), STAMP, 10)
+    participant.receive(b"".join((encode_header(STRANGER), heartbeat, whole, *pieces[:5:2])), HOST, 0, STAMP)
+    participant.drain()
+
+    def requests(now_ns: int) -> list[tuple[int, list[int]]]:
+        participant.tick(now_ns)
+        return [
+            (each.base if isinstance(each, Acknowledgment) else each.sequence, list(each.missing))
+            for outgoing in participant.drain()
+            for each in decode_datagram(outgoing.datagram, STRANGER)[2]
+            if isinstance(each, Acknowledgment | FragmentRequest) and each.writer == writer
+        ]
+
+    times = [at * limits.TICK_NS for at in range(40)]
+    asked = [(now_ns // 1_000_000, each) for now_ns in times for each in requests(now_ns)]
+    assert asked == [(ms, each) for ms in (100, 200, 400, 800) for each in ((1, [1, 3]), (4, [2, 4]))]
+    gap = encode_gap(UNKNOWN, writer, [1, 3])
+    participant.receive(b"".join((encode_header(STRANGER), gap, *pieces)), HOST, times[-1], STAMP)
+    assert [each for now_ns in times for each in requests(times[-1] + now_ns)] == []
 
 
 def test_samples_that_are_too_large_are_not_assembled() -> None:
