@@ -392,6 +392,7 @@ class DdsClient:
             self._calls[sequence] = call
         while len(self._calls) > MOST_CALLS:
             del self._calls[next(iter(self._calls))]
+        self._graph.participant.expect(self._reader, expects=bool(self._calls))
 
     def close(self) -> None:
         """Leave the graph. No further response is delivered."""
@@ -429,4 +430,5 @@ class DdsClient:
         if call is not None:
             for each in call.sequences:
                 self._calls.pop(each, None)
+            self._graph.participant.expect(self._reader, expects=bool(self._calls))
             call.on_response(message)

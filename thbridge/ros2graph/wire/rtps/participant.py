@@ -201,6 +201,11 @@ class RtpsParticipant:
         self._busy[writer] = None
         return writer.write(payload, stamp_ns, inline, only=only)
 
+    def expect(self, reader: RtpsReader, *, expects: bool) -> None:
+        """Ask a reader's writers from time to time if they have sent something, or cease to do so."""
+        reader.expects = expects
+        self._busy[reader] = None
+
     def leave(self) -> None:
         """Announce that we leave."""
         inline, key = disposal(self.guid)

@@ -147,6 +147,9 @@ class _MatchedWriter:
 class RtpsReader:
     """Reader of one topic.
 
+    Attributes:
+        expects: whether its writers are asked from time to time if they have sent something.
+
     Args:
         guid: its GUID.
         qos: its quality of service.
@@ -159,6 +162,7 @@ class RtpsReader:
         self.guid = guid
         self.id = guid[-4:]
         self.qos = qos
+        self.expects = False
         self._outbox = outbox
         self._held = held
         self._on_sample = on_sample
@@ -276,14 +280,14 @@ class RtpsReader:
         return matched is not None and matched.waits
 
     def tick(self, now_ns: int) -> bool:
-        """Request first heartbeats, and what is missing: Fast DDS sends heartbeats only every 3 s.
+        """Request first heartbeats, and what is missing or expected: Fast DDS sends heartbeats only every 3 s.
 
         Returns:
-            False if nothing is missing.
+            False if nothing is missing or expected.
         """
-        waiting = False
+        waiting = self.expects
         for writer in self._writers.values():
-            if not writer.waits:
+            if not (writer.waits or (self.expects and writer.reliable)):
                 writer.due_ns, writer.pause_ns = None, _PAUSE_NS
                 continue
             waiting = True
@@ -396,18 +400,20 @@ class RtpsReader:
             self._outbox.add(writer.destination, request)
 
     def _request(self, writer: _MatchedWriter) -> None:
-        """Request the first heartbeat, or what was sent before the newest sample or fragment that has arrived."""
-        if writer.next is None:
+        """Request a heartbeat, or what was sent before the newest sample or fragment that has arrived."""
+        newest = max((*writer.early, *writer.incomplete), default=0)
+        if writer.next is None or not newest:
             self._request_heartbeat(writer)
             return
-        newest = max((*writer.early, *writer.incomplete))
         self._acknowledge(writer, newest - 1, answer=False)
         if newest in writer.incomplete:
             self._request_fragments(writer, newest, max(writer.incomplete[newest].pieces, default=0))
 
     def _request_heartbeat(self, writer: _MatchedWriter) -> None:
         self._count += 1
-        request = encode_acknowledgment(self.id, writer.guid[-4:], writer.anyone, (), self._count, final=False)
+        # Fast DDS answers only an acknowledgment of 0 at once.
+        base = writer.anyone and (writer.next or writer.anyone)
+        request = encode_acknowledgment(self.id, writer.guid[-4:], base, (), self._count, final=False)
         self._outbox.add(writer.destination, request)
 
 

@@ -1,7 +1,7 @@
 """Participants of RTPS find each other and exchange samples, also over networks that lose and reorder datagrams."""
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import pytest
@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from tests.thbridge.ros2graph.wire.rtps.rtps_network import HOST, STAMP, RtpsNetwork
 from thbridge.ros2.qos import DEFAULT, LATCHED, SENSOR_DATA, QosProfile
+from thbridge.ros2.supports import MessageSupport, ServiceSupport
 from thbridge.ros2graph.values.graph import NodeName
 from thbridge.ros2graph.wire.rtps import participant as limits
 from thbridge.ros2graph.wire.rtps import postponed, readers
@@ -46,11 +47,13 @@ from thbridge.ros2graph.wire.rtps.submessages import (
     encode_header,
     encode_heartbeat,
 )
+from thbridge.ros2graph.wire.rtps.writers import RtpsWriter
 
 TOPIC = ("rt/chatter", "std_msgs::msg::dds_::String_")
 SEVERAL = 40
 DEEP = QosProfile(10 * SEVERAL)
 STRANGER = b"\x01\x0fstranger00"
+ASK = ServiceSupport("a/srv/Ask", "", MessageSupport("a/srv/Ask_Request", ""), MessageSupport("a/srv/Ask_Response", ""))
 
 
 class Pair:
@@ -543,6 +546,19 @@ def test_missing_fragments_are_requested_when_they_are_announced() -> None:
     assert requests[-1].missing == [2, 3, 5, 6, 7, 8]
 
 
+def asked_in_a_second(participant: RtpsParticipant, start_ns: int) -> list[tuple[int, tuple[int, list[int]]]]:
+    """Requests to the stranger's writer: the milliseconds since the start, the number of a sample, what is missing."""
+    asked = []
+    for since_ns in range(0, 1_000_000_000, limits.TICK_NS):
+        participant.tick(start_ns + since_ns)
+        for outgoing in participant.drain():
+            for each in decode_datagram(outgoing.datagram, STRANGER)[2]:
+                if isinstance(each, Acknowledgment | FragmentRequest) and each.writer == writer_id(1):
+                    number = each.base if isinstance(each, Acknowledgment) else each.sequence
+                    asked.append((since_ns // 1_000_000, (number, list(each.missing))))
+    return asked
+
+
 def test_what_was_sent_before_something_that_has_arrived_is_requested_without_a_heartbeat() -> None:
     participant = alone()
     writer = writer_id(1)
@@ -551,22 +567,51 @@ def test_what_was_sent_before_something_that_has_arrived_is_requested_without_a_
     pieces = encode_fragments(writer, 4, bytes(100), STAMP, 10)
     participant.receive(b"".join((encode_header(STRANGER), heartbeat, whole, *pieces[:5:2])), HOST, 0, STAMP)
     participant.drain()
-
-    def requests(now_ns: int) -> list[tuple[int, list[int]]]:
-        participant.tick(now_ns)
-        return [
-            (each.base if isinstance(each, Acknowledgment) else each.sequence, list(each.missing))
-            for outgoing in participant.drain()
-            for each in decode_datagram(outgoing.datagram, STRANGER)[2]
-            if isinstance(each, Acknowledgment | FragmentRequest) and each.writer == writer
-        ]
-
-    times = [at * limits.TICK_NS for at in range(40)]
-    asked = [(now_ns // 1_000_000, each) for now_ns in times for each in requests(now_ns)]
-    assert asked == [(ms, each) for ms in (100, 200, 400, 800) for each in ((1, [1, 3]), (4, [2, 4]))]
+    expected = [(ms, each) for ms in (100, 200, 400, 800) for each in ((1, [1, 3]), (4, [2, 4]))]
+    assert asked_in_a_second(participant, 0) == expected
     gap = encode_gap(UNKNOWN, writer, [1, 3])
-    participant.receive(b"".join((encode_header(STRANGER), gap, *pieces)), HOST, times[-1], STAMP)
-    assert [each for now_ns in times for each in requests(times[-1] + now_ns)] == []
+    participant.receive(b"".join((encode_header(STRANGER), gap, *pieces)), HOST, 1000, STAMP)
+    assert asked_in_a_second(participant, 1000) == []
+
+
+class WriterWithoutHeartbeats(RtpsWriter):
+    """Writer that sends no heartbeat for seconds, as Fast DDS does."""
+
+    def tick(self, now_ns: int) -> bool:
+        return False
+
+
+def test_a_client_asks_for_a_response_that_was_lost() -> None:
+    network = RtpsNetwork()
+    first, second = (
+        DdsGraph(network.join(number), lambda: STAMP, lambda: None, network.faults.append) for number in range(2)
+    )
+    replies: list[Callable[[bytes], None]] = []
+    got: list[bytes] = []
+    first.serve(NodeName("/", "server"), "/ask", ASK, lambda data, gid, reply: replies.append(reply))
+    client = second.client(NodeName("/", "client"), "/ask", ASK)
+    network.run(lambda: client.has_server)
+    for writer in first.participant._writers.values():
+        writer.__class__ = WriterWithoutHeartbeats
+    client.call(b"\0\1\0\0", got.append)
+    network.run(lambda: bool(replies))
+    come_back = network.leave(second.participant)
+    replies[0](b"\0\1\0\0answer..")
+    network.settle()
+    come_back()
+    network.run(lambda: bool(got), 40)
+
+
+def test_writers_are_asked_only_while_something_is_expected() -> None:
+    participant = alone()
+    reader = participant.add_reader(*TOPIC, DEFAULT, b"", lambda sample: None, STAMP)
+    heartbeat = encode_heartbeat(UNKNOWN, writer_id(1), 1, 0, 1, final=True)
+    participant.receive(encode_header(STRANGER) + heartbeat, HOST, 0, STAMP)
+    participant.drain()
+    participant.expect(reader, expects=True)
+    assert asked_in_a_second(participant, 0) == [(ms, (0, [])) for ms in (100, 200, 400, 800)]
+    participant.expect(reader, expects=False)
+    assert asked_in_a_second(participant, 0) == []
 
 
 def test_samples_that_are_too_large_are_not_assembled() -> None:
