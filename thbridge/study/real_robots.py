@@ -99,7 +99,8 @@ class FleetNames:
         )
         remote = dataclasses.replace(
             self.names(number),
-            move_base=f"{nav2.action}{ACTION_SPACE}",
+            move_base=nav2.action,
+            action_space=ACTION_SPACE,
             plan=topic(own.plan),
             battery=topic(own.battery),
             tf=nav2.tf,
@@ -208,8 +209,7 @@ def _clash(names: Sequence[RemoteNames], keys: Mapping[str, str]) -> NameClash |
             name, key = cast(str, getattr(own, field)), keys.get(field, field)
             first, other = taken.setdefault(name, (number, key))
             if (first, other) != (number, key):
-                shown = name.removesuffix(ACTION_SPACE)
-                problem = f"{shown} is both {other} of robot {first} and {key} of robot {number}"
+                problem = f"{name} is both {other} of robot {first} and {key} of robot {number}"
                 return NameClash(number, key, problem)
     return None
 

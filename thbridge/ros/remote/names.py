@@ -23,6 +23,7 @@ class RemoteNames:
         plan: topic of its global plan.
         recorded: other topics. They are only recorded.
         tf: topic of its transforms, for people. `RemoteRobot` itself receives them as /tf.
+        action_space: what the topics of its action server have between the server's name and their own.
     """
 
     map_frame: str
@@ -38,10 +39,11 @@ class RemoteNames:
     plan: str
     recorded: tuple[str, ...] = ()
     tf: str = TF
+    action_space: str = ""
 
     def action(self, part: str) -> str:
         """Return the topic of a part of the robot's action: goal, cancel, status, feedback or result."""
-        return f"{self.move_base}/{part}"
+        return f"{self.move_base}{self.action_space}/{part}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -109,7 +109,7 @@ class RemoteRobot:
         if not self._pose.localized:
             parts.append(f"no pose on {named.amcl_pose}, or {named.map_frame} -> {named.odom_frame} on {named.tf}")
         if not self._goals.server_seen:
-            parts.append(f"no action server on {named.action('status')}")
+            parts.append(f"no action server {named.move_base}")
         return parts
 
     def silent_parts(self, now_ns: int) -> frozenset[RobotPart]:
