@@ -37,7 +37,9 @@ class ZenohCarrier:
     """
 
     def __init__(self, domain: int, router: Address) -> None:
-        session = f"{secrets.randbits(128) | 1 << 127:x}"  # zenoh accepts no leading zeros.
+        # zenoh accepts no leading zeros. Of two peers, that with the greater last byte connects, so this program knows
+        # the address of each peer, and can connect again.
+        session = f"{secrets.randbits(96) | 1 << 95:x}ffffffff"
         self._domain = domain
         self._keys = SessionKeys(domain, session)
         self._link = ZenohLink(session, router)

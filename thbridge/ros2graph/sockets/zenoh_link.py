@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import socket
 import time
 from collections import deque
 from collections.abc import Callable
@@ -9,8 +10,10 @@ from collections.abc import Callable
 import zenoh
 
 from thbridge.ros2graph.sockets.last_items import CallThread, ClientThreads, Job
+from thbridge.ros2graph.sockets.zenoh_lost_peers import LostPeers
 from thbridge.ros2graph.sockets.zenoh_settings import peer_settings
-from thbridge.sockets.addresses import Address
+from thbridge.sockets.addresses import LOCALHOST, Address
+from thbridge.sockets.admission import is_own
 from thbridge.sockets.errors import CannotReach
 
 _log = logging.getLogger(__name__)
@@ -41,6 +44,7 @@ class ZenohLink:
         self._calls = CallThread("zenoh")
         self._replies = ClientThreads("zenoh replies")
         self._session: zenoh.Session | None = None
+        self._lost: LostPeers | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._tokens: dict[str, zenoh.LivelinessToken] = {}
         self._declared: list[object] = []
@@ -56,13 +60,16 @@ class ZenohLink:
         except OSError as error:  # TimeoutError is one, too.
             return CannotReach.because(error, "zenoh router", self._router, _REMEDY)
         try:
-            session = await asyncio.to_thread(zenoh.open, peer_settings(self._id, self._router))
+            own = _free_address()
+            session = await asyncio.to_thread(zenoh.open, peer_settings(self._id, self._router, own))
         except zenoh.ZError as error:
             return CannotReach("zenoh router", self._router, str(error), _REMEDY)
         if not await _is_connected(session):
             await asyncio.to_thread(session.close)
             return CannotReach("zenoh router", self._router, "the program there is no zenoh router", _REMEDY)
         self._session, self._loop = session, asyncio.get_running_loop()
+        if is_own(self._router.host):
+            self._lost = LostPeers(session, own, self._router, self.wake)
         self._calls.start()
         return None
 
@@ -71,6 +78,8 @@ class ZenohLink:
         self._loop = None
         if self._session is None:
             return
+        if self._lost is not None:
+            await self._lost.stop()
         self.call(self._end)
         self._replies.end()
         if not await asyncio.to_thread(self._calls.end, _STOP_SECONDS):
@@ -137,6 +146,12 @@ class ZenohLink:
         session.close()
         self._tokens.clear()
         self._declared.clear()
+
+
+def _free_address() -> Address:
+    # zenoh does not report the port that the system selects.
+    with socket.create_server((LOCALHOST, 0)) as probe:
+        return Address(*probe.getsockname())
 
 
 async def _is_connected(session: zenoh.Session) -> bool:

@@ -18,6 +18,7 @@ Setting: TypeAlias = "bool | int | str | list[str] | dict[str, Setting]"
 # that send without end would delay all others.
 os.environ.setdefault("ZENOH_RUNTIME", "(rx: (worker_threads: 16))")
 
+_FREE_PORT = Address(LOCALHOST, 0)
 _LONGEST_MESSAGE = 32 << 20
 """Maximum number of bytes of a received message. zenoh's default is 1 GiB."""
 
@@ -30,8 +31,8 @@ that reads nothing. zenoh waits 1 ms for a message, and 50 ms for a long one, wh
 """
 
 
-def peer_settings(session: str, router: Address) -> zenoh.Config:
-    """Return the settings of a node's session with this id. It listens on this machine only.
+def peer_settings(session: str, router: Address, own: Address = _FREE_PORT) -> zenoh.Config:
+    """Return the settings of a node's session with this id. It listens at its own address, on this machine only.
 
     It connects to the router, and again whenever the connection is lost. If the router is on another machine, the
     session is a client, because the programs there cannot connect to it, and a router forwards nothing between peers.
@@ -46,7 +47,7 @@ def peer_settings(session: str, router: Address) -> zenoh.Config:
                 "exit_on_failure": False,
                 "retry": {"period_init_ms": 500, "period_max_ms": 2000},
             },
-            "listen": {"endpoints": [_endpoint(Address(LOCALHOST, 0))]},
+            "listen": {"endpoints": [_endpoint(own)]},
         }
     )
 

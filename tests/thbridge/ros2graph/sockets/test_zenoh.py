@@ -3,8 +3,11 @@
 import asyncio
 import json
 import logging
+import os
+import socket
 import threading
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
 import zenoh
@@ -31,6 +34,17 @@ KEY = data_key(DOMAIN, TOPIC, STRING.dds_name, STRING.hash)
 def stranger(at: Address) -> zenoh.Session:
     """Return a session of a program that does not keep the rules of rmw_zenoh."""
     return zenoh.open(peer_settings("abc", at))
+
+
+def break_connection(one: zenoh.Session, other: zenoh.Session) -> None:
+    """Break the connection of two sessions of this process."""
+    for link in one.info.links():
+        ends = {link.src, link.dst} if str(link.zid) == str(other.zid()) else set()
+        for each in Path("/dev/fd").iterdir():
+            with suppress(OSError), socket.socket(fileno=os.dup(int(each.name))) as found:
+                names = found.getsockname(), found.getpeername()
+                if {f"tcp/127.0.0.1:{name[1]}" for name in names if isinstance(name, tuple)} == ends:
+                    found.shutdown(socket.SHUT_RDWR)
 
 
 def test_messages_arrive_in_order_with_their_publisher():
@@ -244,6 +258,35 @@ def test_another_program_at_the_address_is_no_router(monkeypatch):
         async with await asyncio.start_server(lambda reader, writer: writer.close(), "127.0.0.1", 0) as other:
             carrier = ZenohCarrier(DOMAIN, Address(*other.sockets[0].getsockname()))
             assert "is no zenoh router" in str(await carrier.start())
+
+    run(scenario)
+
+
+def test_a_peer_whose_connection_breaks_is_connected_again_until_it_ends(monkeypatch):
+    monkeypatch.setattr("thbridge.ros2graph.sockets.zenoh_lost_peers._PAUSE_SECONDS", 0.05)
+
+    async def scenario():
+        async with router() as at, carriers(1, at) as (here,):
+            session, lost = here._link._session, here._link._lost
+            writer = here.publish(NODE, TOPIC, STRING, DEFAULT)
+            with stranger(at) as other:
+                got = []
+                take = Callback(lambda sample: got.append(sample.payload.to_bytes()), indirect=False)
+                kept = other.declare_subscriber(KEY, take)
+                for message in (b"first", b"second", b"third"):
+
+                    def arrives(message: bytes = message) -> bool:
+                        # zenoh drops messages until it knows the subscriber.
+                        writer.write(message)
+                        return message in got
+
+                    await until(arrives)
+                    break_connection(session, other)
+                    await until(lambda: lost._lost)
+                    await until(lambda: not lost._lost)
+                assert session.info.peers_zid()
+                kept.undeclare()
+            await until(lambda: not (lost._lost or session.info.peers_zid()))
 
     run(scenario)
 
