@@ -120,6 +120,7 @@ class _MatchedWriter:
         next: number of the next sample to deliver; None until a heartbeat says which samples there are.
         early: samples that wait for an earlier one; None for a sample that will not come.
         incomplete: samples in reassembly.
+        last: number of the last sample that a heartbeat has announced.
         heartbeats: count of the last heartbeat.
         asked: number of the next sample at the last request that no heartbeat has asked for.
         pause_ns: pause until the next such request.
@@ -133,6 +134,7 @@ class _MatchedWriter:
     next: int | None
     early: dict[int, ReceivedSample | None] = field(default_factory=dict)
     incomplete: dict[int, _Incomplete] = field(default_factory=dict)
+    last: int = 0
     heartbeats: int = -1
     asked: int | None = None
     pause_ns: int = _PAUSE_NS
@@ -140,8 +142,8 @@ class _MatchedWriter:
 
     @property
     def waits(self) -> bool:
-        """True if its first heartbeat is missing, or something that it has sent before a sample or fragment."""
-        return self.reliable and (self.next is None or bool(self.early or self.incomplete))
+        """True if its first heartbeat is missing, or something that it has announced or sent before something else."""
+        return self.reliable and (self.next is None or self.next <= self.last or bool(self.early or self.incomplete))
 
 
 class RtpsReader:
@@ -244,7 +246,7 @@ class RtpsReader:
         writer = self._writers.get(message.writer)
         if writer is None or not writer.reliable or message.count == writer.heartbeats:
             return
-        writer.heartbeats = message.count
+        writer.heartbeats, writer.last = message.count, message.last
         if writer.next is None:
             writer.next = message.first
             self._discard(writer, message.first)
@@ -400,13 +402,13 @@ class RtpsReader:
             self._outbox.add(writer.destination, request)
 
     def _request(self, writer: _MatchedWriter) -> None:
-        """Request a heartbeat, or what was sent before the newest sample or fragment that has arrived."""
-        newest = max((*writer.early, *writer.incomplete), default=0)
-        if writer.next is None or not newest:
+        """Request a heartbeat, or what was announced, or sent before the newest sample or fragment that has arrived."""
+        if writer.next is None or not writer.waits:
             self._request_heartbeat(writer)
             return
-        self._acknowledge(writer, newest - 1, answer=False)
-        if newest in writer.incomplete:
+        newest = max((*writer.early, *writer.incomplete), default=0)
+        self._acknowledge(writer, max(writer.last, newest - 1), answer=False)
+        if newest > writer.last and newest in writer.incomplete:
             self._request_fragments(writer, newest, max(writer.incomplete[newest].pieces, default=0))
 
     def _request_heartbeat(self, writer: _MatchedWriter) -> None:

@@ -574,6 +574,17 @@ def test_what_was_sent_before_something_that_has_arrived_is_requested_without_a_
     assert asked_in_a_second(participant, 1000) == []
 
 
+def test_what_a_heartbeat_has_announced_is_requested_again_until_it_comes() -> None:
+    participant = alone()
+    writer = writer_id(1)
+    begin, announcement = (encode_heartbeat(UNKNOWN, writer, 1, last, 1 + last, final=True) for last in range(2))
+    participant.receive(encode_header(STRANGER) + begin + announcement, HOST, 0, STAMP)
+    participant.drain()
+    assert asked_in_a_second(participant, 0) == [(ms, (1, [1])) for ms in (100, 200, 400, 800)]
+    participant.receive(encode_header(STRANGER) + encode_data(writer, 1, b"1st.", STAMP), HOST, 1000, STAMP)
+    assert asked_in_a_second(participant, 1000) == []
+
+
 class WriterWithoutHeartbeats(RtpsWriter):
     """Writer that sends no heartbeat for seconds, as Fast DDS does."""
 
