@@ -16,7 +16,7 @@ MOST_BYTES = 64 << 20
 _MOST_CLIENTS = 16
 """Maximum number of clients for which calls wait at the same time."""
 
-Job: TypeAlias = Callable[[], None]
+Job: TypeAlias = Callable[[], object]
 _Item = TypeVar("_Item")
 
 
@@ -70,7 +70,8 @@ class LastItems(Generic[_Item]):
 class CallThread:
     """Thread that makes calls one after the other. Calls that are posted before the start wait for it.
 
-    It is a daemon: a call that never returns does not block the end of the program.
+    It is a daemon: a call that never returns does not block the end of the program. Its queue has no lock, so garbage
+    collection may post calls.
     """
 
     def __init__(self, name: str) -> None:
@@ -134,7 +135,7 @@ class ClientThreads:
         self._pool = ThreadPoolExecutor(_MOST_CLIENTS, name)
         self._waiting: dict[str, deque[tuple[Job, int]]] = {}
         self._bytes = ClientShares(MOST_BYTES)
-        self._lock = threading.RLock()  # Garbage collection may post a call at any time.
+        self._lock = threading.Lock()
 
     def post(self, client: str, job: Job, size: int) -> bool:
         """Make a call that keeps a number of bytes. Return False, and do nothing, if too many bytes wait already.

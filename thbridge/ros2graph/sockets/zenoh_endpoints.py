@@ -268,7 +268,9 @@ class _Response:
     def __del__(self) -> None:
         query = self._query
         if query is not None:
-            self._link.reply(self._client, partial(_end, query, self._give_back), 0)
+            link, client, end = self._link, self._client, partial(_end, query, self._give_back)
+            # Garbage collection may come here while its thread has any lock, and this call waits for none.
+            link.call(lambda _: link.reply(client, end, 0))
 
 
 def _end(query: zenoh.Query, give_back: Callable[[], None], send: Callable[[], None] = lambda: None) -> None:

@@ -85,7 +85,7 @@ class ZenohLink:
         if not await asyncio.to_thread(self._calls.end, _STOP_SECONDS):
             _log.warning("zenoh did not end its session in time; it ends with the program")
 
-    def call(self, job: Callable[[zenoh.Session], None]) -> None:
+    def call(self, job: Callable[[zenoh.Session], object]) -> None:
         """Make a call of zenoh after all posted calls. This never waits. After the end, nothing happens."""
 
         self._calls.post(lambda: None if self._session is None else job(self._session))

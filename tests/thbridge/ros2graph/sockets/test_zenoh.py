@@ -291,6 +291,24 @@ def test_a_peer_whose_connection_breaks_is_connected_again_until_it_ends(monkeyp
     run(scenario)
 
 
+def test_garbage_collection_ends_requests_while_another_response_is_posted():
+    async def scenario():
+        async with router() as at, carriers(2, at) as (here, there):
+            kept = []
+            here.serve(NODE, "/add", ADD, lambda request, gid, reply: kept.append(reply))
+            client = there.client(OTHER, "/add", ADD)
+            await until(lambda: client.has_server)
+            client.call(b"", lambda response: None)
+            await until(lambda: kept)
+            collection = threading.Thread(target=kept.clear, daemon=True)
+            with here._link._replies._pool._shutdown_lock:  # A thread has this lock while it posts a response.
+                collection.start()
+                collection.join(10)
+                assert not collection.is_alive()
+
+    run(scenario)
+
+
 def test_a_flood_while_the_loop_is_busy_keeps_the_last_messages(caplog, monkeypatch):
     # Other tests may have used up the warnings of this process.
     monkeypatch.setattr(zenoh_endpoints, "_warnings", WarnOnce(logging.getLogger("flooded")))
