@@ -3,8 +3,6 @@
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from sim.common.observations import TICK
 from sim.common.robot_numbers import number_of
 from sim.numerics import elementary
@@ -47,8 +45,9 @@ class _Sums:
 
     def __init__(self) -> None:
         self.samples = 0
-        self.squares = np.zeros(2)
-        self.greatest = np.zeros(2)
+        # Of the position, meters, and of the heading, rad.
+        self.squares = [0.0, 0.0]
+        self.greatest = [0.0, 0.0]
         self.times_lost = self.ticks_lost = self.ticks_waiting = 0
         self.is_lost = False
         self.distance = 0.0
@@ -78,14 +77,14 @@ class RunStatistics:
             sums.is_lost = lost
             # Propagated outputs have no scan, and computing their observations takes time.
             if not isinstance(robot, PropagatedOutput) and robot.observations.scan is not None:
-                x, y, theta = truth.poses[index]
+                x, y, theta = truth.poses[index].tolist()
                 believed = robot.estimate.base_in_map
-                error = np.array(
-                    [elementary.hypot(believed.x - x, believed.y - y), abs(wrap_angle(believed.theta - float(theta)))]
-                )
+                position = elementary.hypot(believed.x - x, believed.y - y)
+                heading = abs(wrap_angle(believed.theta - theta))
                 sums.samples += 1
-                sums.squares += error * error
-                np.maximum(sums.greatest, error, out=sums.greatest)
+                for each, error in enumerate((position, heading)):
+                    sums.squares[each] += error * error
+                    sums.greatest[each] = max(sums.greatest[each], error)
 
     def figures(self) -> tuple[RobotStatistics, ...]:
         """Return the figures so far, rounded."""
@@ -93,7 +92,7 @@ class RunStatistics:
 
 
 def _figures(robot: int, sums: _Sums) -> RobotStatistics:
-    position, heading = np.sqrt(sums.squares / sums.samples) if sums.samples else (None, None)
+    position, heading = (math.sqrt(each / sums.samples) for each in sums.squares) if sums.samples else (None, None)
     farthest, most = sums.greatest if sums.samples else (None, None)
     return RobotStatistics(
         robot=number_of(robot),

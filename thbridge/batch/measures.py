@@ -9,6 +9,7 @@ import numpy as np
 
 from sim.numerics import elementary
 from sim.robot.navigator.goals import GoalReached, NoPath
+from sim.robot.software import PropagatedOutput
 from sim.team import TeamSnapshot
 from thbridge.app.play import HuntOutcome
 from thbridge.app.run_statistics import RobotStatistics
@@ -110,13 +111,16 @@ class GameObserver:
         for robot, output in enumerate(snapshot.robots):
             if robot in snapshot.dead:
                 continue
+            # Propagated outputs have neither a result nor a scan, and computing their observations takes time.
+            if isinstance(output, PropagatedOutput):
+                continue
             result = output.navigation.result
             if isinstance(result, GoalReached):
                 self._reached += 1
             elif isinstance(result, NoPath):
                 self._failures.append(result.reason)
             if output.observations.scan is not None:
-                x, y, _ = snapshot.truth.poses[robot]
+                x, y, _ = snapshot.truth.poses[robot].tolist()
                 believed = output.estimate.base_in_map
                 self._errors.append(elementary.hypot(believed.x - x, believed.y - y))
 

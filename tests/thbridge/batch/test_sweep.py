@@ -56,6 +56,12 @@ def test_a_game_says_what_it_says_in_play_with_the_same_study_and_seed(whole: Pa
     assert row["messages"] == digest_of(bag)
 
 
+def test_a_game_has_the_same_result_if_nothing_reads_its_messages(whole: Path, tmp_path: Path) -> None:
+    run(tmp_path / "sweep", InlineEngine(), DESIGN.replace("verify: 1", "verify: 0").replace("[3, 5, 8]", "[5]"))
+    unread, read = (games(root).drop_columns(["messages", "verified"]) for root in (tmp_path / "sweep", whole))
+    assert unread.to_pylist() == [row for row in read.to_pylist() if row["seed"] == 5]
+
+
 def test_games_come_by_condition_and_seed_with_their_factors_and_measures(whole: Path) -> None:
     rows = games(whole).to_pylist()
     assert [(row["condition"], row["seed"]) for row in rows] == [(c, s) for c in (1, 2, 3, 4) for s in (3, 5, 8)]
