@@ -15,7 +15,7 @@ Active goals end when the robot is revived. The number of ended goals in the lis
 many goals.
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias, assert_never
 
@@ -131,8 +131,9 @@ class MoveBaseServer:
         self._cancelled: _Entry | None = None
         self._dead = False
         self._outgoing: list[ActionServerMessage] = []
+        self._followed: Navigation | None = None
 
-    def take(self, tick: int, requests: Iterable[ActionRequest]) -> list[SendGoal | CancelGoal]:
+    def take(self, tick: int, requests: Sequence[ActionRequest]) -> list[SendGoal | CancelGoal]:
         """Process the requests of clients before the robots' tick.
 
         Args:
@@ -142,7 +143,8 @@ class MoveBaseServer:
         Returns:
             Inputs of the navigator. A dead robot has no inputs.
         """
-        if self._dead:
+        # Without requests, the last call has settled everything.
+        if self._dead or not requests:
             return []
         self._now = stamp_ns(tick)
         for request in requests:
@@ -170,8 +172,12 @@ class MoveBaseServer:
             navigation: the navigator's output of this tick. None if the robot is dead.
         """
         if navigation is None:
-            self._dead = True
+            self._dead, self._followed = True, None
             return []
+        # An output without a result that was already processed changes nothing.
+        if navigation is self._followed and not self._outgoing and tick % FEEDBACK_PERIOD:
+            return []
+        self._followed = navigation
         self._now = stamp_ns(tick)
         if self._dead:
             self._revive()

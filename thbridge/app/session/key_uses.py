@@ -15,6 +15,11 @@ class KeyUses:
     def __init__(self) -> None:
         self._granted: list[tuple[str, str]] = []
 
+    @property
+    def is_empty(self) -> bool:
+        """True if no request was granted since the last tick."""
+        return not self._granted
+
     def granted(self, key: str, request: str) -> None:
         """Record a granted request of a client with a key."""
         if len(self._granted) <= _MOST_GRANTED:

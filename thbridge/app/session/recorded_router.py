@@ -129,6 +129,8 @@ class RecordedRouter:
 
     def _noted(self, outputs: list[RouterOutput]) -> list[RouterOutput]:
         """Store forwarded lines and the names of programs that have left, for the keeper; return the outputs."""
+        if not outputs:
+            return outputs
         for output in outputs:
             match output:
                 case ClientLeft(_, name):

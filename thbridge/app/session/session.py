@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+from sim.common.frozen import frozen
 from thbridge.app.session import inputs
 from thbridge.app.session.inputs import Input, InputQueue
 from thbridge.app.session.key_uses import KeyUses
@@ -36,7 +37,7 @@ if TYPE_CHECKING:  # Only sessions with robots need these.
     from thbridge.mavlink.role.vehicles import RequestSink, Vehicles
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class TickRecord:
     """Record of one tick of a session.
 
@@ -307,6 +308,8 @@ class Session:
         joined = self.router.take_joined()
         if any(isinstance(entry, GameStarted) for entry in entries):
             joined = self._message_router.keyed_programs()
+        if not joined and self.keys.is_empty:
+            return []
         return self.keys.take("" if self.game is None else self._named(self.game.started.game), joined)
 
     def _pass_on(self, request: Request, researcher: str | None = None) -> None:

@@ -29,6 +29,8 @@ class RecentHandbacks:
 
     def advance(self, tick: int) -> bool:
         """Remove old requests. Return True if a request was removed."""
+        if not self._asked:
+            return False
         before = len(self._asked)
         self._asked = {robot: asked for robot, asked in self._asked.items() if tick - asked < _ASK_AGAIN}
         return len(self._asked) < before

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias, get_args
 
+from sim.common.frozen import frozen
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.engine import DialogueEngine
 from thbridge.dialogue.moves import DialogueUtterance
@@ -187,7 +188,7 @@ class ProgramRefusal:
         return f'refused "{self.asked}" of {self.program}: {self.refused.sentence}'
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class KeeperDecisions:
     """Decisions of one step of the keeper.
 
@@ -394,11 +395,8 @@ class Keeper:
             empty = self._game.team.empty(self._rules.seats, self._present, self._game.seconds)
             self._has_input = self._has_input or empty != self._empty
             self._empty = empty
-        attended = self._is_joined and all(
-            place.participants.is_empty or place.consent.status(self.state).recordable for place in self._seats.values()
-        )
         timeout = self._attention_timeout
-        if attended and timeout is not None and decide_alone(self._game, timeout):
+        if timeout is not None and self._is_attended and decide_alone(self._game, timeout):
             self._has_input = True
         requests, self._requests = self._requests, []
         for request in requests:
@@ -450,6 +448,13 @@ class Keeper:
     def _present(self) -> dict[str, PlayedBy]:
         """Seats that are played now, and by whom: by participants who are connected and not away, or by researchers."""
         return {name: by for name, place in self._seats.items() if (by := place.played_by) is not None}
+
+    @property
+    def _is_attended(self) -> bool:
+        """True if any of our own programs takes part, and no consent of a participant is missing."""
+        return self._is_joined and all(
+            place.participants.is_empty or place.consent.status(self.state).recordable for place in self._seats.values()
+        )
 
     @property
     def _is_joined(self) -> bool:

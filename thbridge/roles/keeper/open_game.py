@@ -147,11 +147,14 @@ class OpenGame:
 
     def _gather_utterances(self) -> None:
         """Add the utterances since the last call to the queue for the journal."""
+        taken = self.dialogues.take_utterances()
+        if not taken:
+            return
         fresh = [
             replace(said, seat=self._seat, author=Author.WIZARD if self._is_researcher else said.author)
             if said.speaker is Speaker.PERSON
             else said
-            for said in self.dialogues.take_utterances()
+            for said in taken
         ]
         self._utterances += fresh
         self._entries += [

@@ -53,7 +53,8 @@ class RobotControls:
         self._by_hand: dict[int, _ManualDrive] = {}
         # Researchers, by the goals that they have set (robot, owner, number of the goal).
         self._goals: dict[tuple[int, str, int], str] = {}
-        self.researchers: tuple[str | None, ...] = (None,) * robots.size
+        self._no_researchers = (None,) * robots.size
+        self.researchers: tuple[str | None, ...] = self._no_researchers
 
     def ask(self, request: RobotRequest, researcher: str | None = None) -> None:
         """Queue a request for the next tick. Drop a request to a robot that does not exist.
@@ -86,15 +87,25 @@ class RobotControls:
 
     def take_inputs(self, tick: int) -> list[TeamInput]:
         """Return the team's inputs for this tick: requests in order of arrival, then goals of action clients."""
-        actions, self._actions = self._actions, []
-        for robot, server in enumerate(self._servers):
-            for decided in server.take(tick, [action for action in actions if action.robot == robot]):
-                self._take(decided)
+        if self._actions:
+            actions, self._actions = self._actions, []
+            for robot, server in enumerate(self._servers):
+                for decided in server.take(tick, [action for action in actions if action.robot == robot]):
+                    self._take(decided)
         inputs, self._inputs = self._inputs, []
         return inputs
 
     def follow(self, snapshot: TeamSnapshot) -> None:
         """Update action servers and researchers after a step of the team."""
+        self._follow_researchers(snapshot)
+        for robot, (server, output) in enumerate(zip(self._servers, snapshot.robots, strict=True)):
+            navigation = None if robot in snapshot.dead else output.navigation
+            server.follow(snapshot.tick, navigation)
+
+    def _follow_researchers(self, snapshot: TeamSnapshot) -> None:
+        if not self._by_hand and not self._goals:
+            self.researchers = self._no_researchers
+            return
         self._by_hand = {
             robot: replace(hand, ticks=hand.ticks - 1) for robot, hand in self._by_hand.items() if hand.ticks > 1
         }
@@ -104,9 +115,6 @@ class RobotControls:
         set_by = {robot: name for (robot, *_), name in self._goals.items()}
         driven_by = {robot: hand.researcher for robot, hand in self._by_hand.items()}
         self.researchers = tuple(driven_by.get(robot, set_by.get(robot)) for robot in range(self._robots.size))
-        for robot, (server, output) in enumerate(zip(self._servers, snapshot.robots, strict=True)):
-            navigation = None if robot in snapshot.dead else output.navigation
-            server.follow(snapshot.tick, navigation)
 
     def is_driven(self, robot: int) -> bool:
         """Return True if a robot is driven by hand."""

@@ -1,7 +1,7 @@
 """Moves of the game in SimR: goals of robots, results, and the costs of further moves."""
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from sim.common.geometry import Pose2
 from sim.inputs import SendGoal
@@ -40,17 +40,19 @@ class GameMap:
     travel: TravelTimes | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _Move:
     """A move in progress.
 
     Attributes:
         order: the keeper's order.
+        goal: goal of the robot.
         length: length of the longest plan, meters; 0 before the first plan.
         remaining: remaining length of the path, meters.
     """
 
     order: MoveOrder
+    goal: Goal
     length: float = 0.0
     remaining: float = 0.0
 
@@ -91,8 +93,9 @@ class MovesInProgress:
     def go(self, robot: int, order: MoveOrder) -> SendGoal:
         """Begin a move. Return the goal for the robot."""
         self.results[robot] = None
-        self._moves[robot] = _Move(order)
-        return SendGoal(robot, self._goal(order))
+        goal = Goal(order.move, self._goals[Room(order.room).wire])
+        self._moves[robot] = _Move(order, goal)
+        return SendGoal(robot, goal)
 
     def last(self, robot: int) -> int:
         """Return the number of the robot's present move or, at rest, of its last move. 0 before the first move."""
@@ -125,12 +128,11 @@ class MovesInProgress:
             move = self._moves.get(robot)
             if move is None:
                 continue
-            navigation = output.navigation
-            goal = self._goal(move.order)
-            if navigation.goal == goal and navigation.state == "controlling":
-                self._moves[robot] = move = replace(
-                    move, length=max(move.length, navigation.remaining), remaining=navigation.remaining
-                )
+            navigation, goal = output.navigation, move.goal
+            # Most often, they are the same object, and comparing poses takes time.
+            if (navigation.goal is goal or navigation.goal == goal) and navigation.state == "controlling":
+                move.remaining = navigation.remaining
+                move.length = max(move.length, move.remaining)
             result = navigation.result
             if robot in silent:
                 self._fail(robot, move, reasons.unresponsive_sentence(robot))
@@ -150,9 +152,6 @@ class MovesInProgress:
                     # another goal.
                     lost.append(SendGoal(robot, goal))
         return lines, lost
-
-    def _goal(self, order: MoveOrder) -> Goal:
-        return Goal(order.move, self._goals[Room(order.room).wire])
 
     def _fail(self, robot: int, move: _Move, sentence: str) -> None:
         del self._moves[robot]

@@ -101,6 +101,8 @@ class TelemetryPublisher:
             conditions: condition of each robot.
             progress: driven share of the path of each robot with a move of the game, by robot.
         """
+        if not self._until and not self._clocks_until:
+            return []
         self._until = {name: until for name, until in self._until.items() if until > tick}
         self._clocks_until = {name: until for name, until in self._clocks_until.items() if until > tick}
         messages: list[TextMessage] = []

@@ -143,12 +143,17 @@ class SimR(RobotsRole):
         self._inputs.clear()
         self._controls.follow(self.snapshot)
         before = self._conditions, self._researchers, tuple(self._moves.results)
-        outgoing += self._follow_moves(self.snapshot)
-        self._conditions, self._researchers = self._conditions_in(self.snapshot), self._controls.researchers
+        silent = self._silent(self.snapshot)
+        outgoing += self._follow_moves(self.snapshot, silent)
+        self._conditions = tuple(
+            Condition.SILENT if robot in silent else Condition.LOST if output.lost else Condition.WELL
+            for robot, output in enumerate(self.snapshot.robots)
+        )
+        self._researchers = self._controls.researchers
         changed = before != (self._conditions, self._researchers, tuple(self._moves.results))
         if changed or tick % STATUS_PERIOD == 0:
             outgoing.append(encode_notice(self.name, KEEPER, self._status(self.snapshot)))
-        if self._price(self.snapshot) or changed or tick % STATUS_PERIOD == 0:
+        if self._price(self.snapshot, silent) or changed or tick % STATUS_PERIOD == 0:
             outgoing += self._move_costs()
         return outgoing + self._telemetry.messages(tick, self.snapshot, self._conditions, self._moves.shares)
 
@@ -269,18 +274,18 @@ class SimR(RobotsRole):
 
     # Messages of SimR
 
-    def _follow_moves(self, snapshot: TeamSnapshot) -> list[TextMessage]:
+    def _follow_moves(self, snapshot: TeamSnapshot, silent: set[int]) -> list[TextMessage]:
         orders = () if self._orders is None else self._orders.moves
         stopped = [robot for robot, order in enumerate(orders) if order is None]
-        lines, lost = self._moves.follow(snapshot, self._silent(snapshot), stopped, self._controls.is_driven)
+        lines, lost = self._moves.follow(snapshot, silent, stopped, self._controls.is_driven)
         self._inputs += lost
         return lines
 
-    def _price(self, snapshot: TeamSnapshot) -> bool:
+    def _price(self, snapshot: TeamSnapshot, silent: set[int]) -> bool:
         """Update the prices for robots that have stopped at another position. Return True if there are new prices."""
         robots = range(self._team.size)
         moving = {robot for robot in robots if robot in self._moves or self._controls.is_driven(robot)}
-        return self._prices.update(snapshot, moving | self._silent(snapshot))
+        return self._prices.update(snapshot, moving | silent)
 
     def _move_costs(self) -> list[TextMessage]:
         costs = self._prices.costs
@@ -292,14 +297,6 @@ class SimR(RobotsRole):
         """Return the robots whose last observations are older than the timeout."""
         due = snapshot.tick - self._response_timeout
         return {robot for robot, output in enumerate(snapshot.robots) if output.tick <= due}
-
-    def _conditions_in(self, snapshot: TeamSnapshot) -> tuple[Condition, ...]:
-        """Return the condition of each robot, from its messages."""
-        silent = self._silent(snapshot)
-        return tuple(
-            Condition.SILENT if robot in silent else Condition.LOST if output.lost else Condition.WELL
-            for robot, output in enumerate(snapshot.robots)
-        )
 
     def _status(self, snapshot: TeamSnapshot) -> TeamStatus:
         if snapshot.world is None:

@@ -325,6 +325,8 @@ class LocalEndpoints:
             KeyError: no endpoint is attached under this name.
         """
         endpoint = self._endpoints[name]
+        if not endpoint.inbox:
+            return []
         messages, endpoint.inbox = endpoint.inbox, []
         endpoint.waiting = sum(_size(message) for message in endpoint.arriving)  # of integers
         return messages
@@ -337,8 +339,9 @@ class LocalEndpoints:
     def hand_out(self) -> None:
         """Make arrived messages available to the endpoints."""
         for endpoint in self._endpoints.values():
-            endpoint.inbox += endpoint.arriving
-            endpoint.arriving.clear()
+            if endpoint.arriving:
+                endpoint.inbox += endpoint.arriving
+                endpoint.arriving.clear()
 
 
 class MessageRouter:
