@@ -33,11 +33,10 @@ def cells_away(free: NDArray[np.bool_]) -> FloatArray:
 
 def nearest_cells(mask: NDArray[np.bool_]) -> NDArray[np.int32]:
     """Return (2, rows, cols): row and column of the mask's cell nearest to each cell. The mask must not be empty."""
-    # Imported here, because reading a study does not need scipy, and the import would double its time.
-    from scipy.ndimage import distance_transform_edt  # noqa: PLC0415
+    # Imported here, because a list of studies is read without the compiler, and the import would double its time.
+    from sim.common import grid_transforms  # noqa: PLC0415
 
-    nearest: NDArray[np.int32] = distance_transform_edt(~mask, return_distances=False, return_indices=True)
-    return nearest
+    return grid_transforms.nearest_cells(mask)
 
 
 def _distances(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:

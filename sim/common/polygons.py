@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_cdt
 
 from sim.common.grid import OCCUPIED, GridFrame, OccupancyGrid
+from sim.common.grid_transforms import king_moves
 from sim.numerics import elementary, elementary_arrays
 from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
@@ -58,11 +58,7 @@ _CLEARANCE_LIMIT = 255
 
 def clearance_of(grid: OccupancyGrid) -> Clearance:
     """Return, for every cell, the number of king's moves to the nearest occupied cell, at most 255."""
-    open_cells = grid.cells != OCCUPIED
-    if open_cells.all():
-        return np.full(grid.cells.shape, _CLEARANCE_LIMIT, dtype=np.uint8)
-    moves = np.asarray(distance_transform_cdt(open_cells, metric="chessboard"))
-    return np.minimum(moves, _CLEARANCE_LIMIT).astype(np.uint8)
+    return king_moves(grid.cells == OCCUPIED, _CLEARANCE_LIMIT)
 
 
 @njit(cache=True)

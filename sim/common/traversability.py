@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias, cast
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -151,10 +151,10 @@ class CrowdedFloor:
 def _areas(passable: Mask) -> NDArray[np.int32]:
     """Label connected cells with the number of their area, from 1, and cells that are not passable with 0."""
     # A robot drives only to a cell's four neighbors, because diagonally it could pass between two walls that meet at a
-    # corner. scipy is imported here, because reading a study does not need it, and the import would double its time.
-    from scipy.ndimage import label  # noqa: PLC0415
+    # corner. Imported here, because a list of studies is read without the compiler.
+    from sim.common.grid_transforms import connected_areas  # noqa: PLC0415
 
-    return cast(tuple[NDArray[np.int32], int], label(passable))[0]
+    return connected_areas(passable)
 
 
 def _at(labels: NDArray[np.int32], box: Box, cell: tuple[int, int]) -> int:

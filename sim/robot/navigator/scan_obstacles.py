@@ -6,8 +6,8 @@ They are from the last scan alone, because the robot cannot rely on maps.
 import math
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt
 
+from sim.common.distance_fields import nearest_cells
 from sim.common.observations import Scan
 from sim.numerics import elementary, elementary_arrays
 from sim.numerics.float_array import FloatArray
@@ -43,12 +43,15 @@ def seen_around(scan: Scan, corners: int) -> Surroundings:
     cells = math.ceil(_REACH / _RESOLUTION)
     at = np.floor(_end_points(scan) / _RESOLUTION).astype(np.int64) + cells
     near = at[((at >= 0) & (at < 2 * cells)).all(axis=1)]
-    free = np.ones((2 * cells, 2 * cells), dtype=np.bool_)
-    free[near[:, 1], near[:, 0]] = False
+    seen = np.zeros((2 * cells, 2 * cells), dtype=np.bool_)
+    seen[near[:, 1], near[:, 0]] = True
     if len(near) == 0:
-        clearance = np.full(free.shape, _REACH, dtype=np.float32)
+        clearance = np.full(seen.shape, _REACH, dtype=np.float32)
     else:
-        clearance = np.asarray(distance_transform_edt(free) * _RESOLUTION, dtype=np.float32)
+        near_row, near_col = nearest_cells(seen)
+        row, col = np.indices(seen.shape, sparse=True)
+        squares = (row - near_row) ** 2 + (col - near_col) ** 2  # of integers
+        clearance = np.asarray(np.sqrt(squares) * _RESOLUTION, dtype=np.float32)
     frame = CostFrame(-cells * _RESOLUTION, -cells * _RESOLUTION, _RESOLUTION)
     return Surroundings(clearance, frame, _NO_BODIES.reshape(0, corners, 2), np.empty(0))
 
