@@ -13,9 +13,12 @@ from typing import TYPE_CHECKING, TypeVar
 import llvmlite
 import numba
 import numpy as np
+from llvmlite.binding import ModuleRef, ObjectFileRef, parse_bitcode
 from numba import config, types
-from numba.core.compiler import CompileResult
+from numba.core.codegen import CPUCodegen, JITCodeLibrary
+from numba.core.compiler import CompileResult, compile_result
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.environment import Environment, lookup_environment
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
@@ -27,6 +30,7 @@ from sim.numerics.sources import ROOT, key_of
 
 if TYPE_CHECKING:
     from numba.core.base import BaseContext
+    from numba.core.funcdesc import FunctionDescriptor
 
 F = TypeVar("F")
 
@@ -70,10 +74,12 @@ def register_formula(formula: object) -> None:
 def folder_of(source: Path) -> Path:
     """Return the folder of the compiled code of a file's kernels. It may not exist yet.
 
-    The name depends on the content of the file and of all files that it imports, and on the compiler's versions.
+    The name depends on the content of the file and of all files that it imports, on this module, which defines the
+    form of stored code, and on the compiler's versions.
     """
     compiler = (sys.version, numba.__version__, llvmlite.__version__, np.__version__, config.OPT, config.BOUNDSCHECK)
-    key = hashlib.blake2b(f"{key_of(source)} {compiler}".encode(), digest_size=8).hexdigest()
+    sources = f"{key_of(source)} {key_of(Path(__file__))}"
+    key = hashlib.blake2b(f"{sources} {compiler}".encode(), digest_size=8).hexdigest()
     module = source.relative_to(ROOT) if source.is_relative_to(ROOT) else Path(source.name)
     return cache_folder() / f"{'.'.join(module.with_suffix('').parts)}-{key}"
 
@@ -132,16 +138,16 @@ class _CompiledCode:
         # This initializes all that compiled code needs. numba's own cache also loads all that compiling needs,
         # which is slow.
         rtsys.initialize(target)
-        compiled_for, parts = pickle.loads(content)
+        compiled_for, *parts = pickle.loads(content)
         if compiled_for != signature:
             return None
         mark_used(self._folder)
-        return CompileResult._rebuild(target, *parts)
+        return _rebuilt(target, *parts)
 
     def save_overload(self, signature: object, compiled: CompileResult) -> None:
         """Store the code for a signature. If this fails, it is compiled again next time."""
         with suppress(OSError):
-            write(self.file(signature, compiled.target_context), dumps((signature, compiled._reduce())))
+            write(self.file(signature, compiled.target_context), dumps((signature, *_parts_of(compiled))))
 
     @contextmanager
     def claimed(self, signature: object) -> Iterator[None]:
@@ -166,6 +172,97 @@ class _CompiledCode:
         """Return the file of a signature's code for this processor, existing or not."""
         which = f"{signature} {target.codegen().magic_tuple()}"
         return self._folder / f"{self._name}-{hashlib.blake2b(which.encode(), digest_size=8).hexdigest()}"
+
+
+class _StoredLibrary(JITCodeLibrary):  # type: ignore[misc]  # numba has no types
+    """Machine code of a kernel from the store.
+
+    Its bitcode is only parsed when another kernel that calls this kernel is compiled.
+    """
+
+    def __init__(self, codegen: CPUCodegen, name: str, code: bytes, bitcode: bytes) -> None:
+        super().__init__(codegen, name)
+        self._bitcode = bitcode
+        codegen._engine._ee.add_object_file(ObjectFileRef.from_data(code))
+        codegen._engine.finalize_object()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return the address of a function of this library. numba's own method does not know functions of objects."""
+        address: int = self._codegen._engine.get_function_address(name)
+        return address
+
+    def _get_module_for_linking(self) -> ModuleRef:
+        # numba's own finished libraries also keep this module.
+        if self._bitcode:
+            self._shared_module, self._bitcode = parse_bitcode(self._bitcode), b""
+        return self._shared_module
+
+
+_Environment = tuple[str, str | None, list[object]]
+"""Name of a function's environment, name of the function's module, and Python objects that its code uses."""
+
+
+def _parts_of(compiled: CompileResult) -> tuple[object, ...]:
+    """Return what `_rebuilt` needs to make a compile result again."""
+    name, _, (code, bitcode) = compiled.library.serialize_using_object_code()
+    environments = [
+        (env.env_name, env.globals.get("__name__"), env.consts)
+        for env in (compiled.environment, *compiled._find_referenced_environments())
+    ]
+    fndesc = compiled.fndesc
+    fndesc.typemap = fndesc.calltypes = None  # They cannot always be pickled, and are only needed for compiling.
+    return name, code, bitcode, fndesc, compiled.signature, compiled.reload_init, environments
+
+
+def _rebuilt(
+    target: "BaseContext",
+    name: str,
+    code: bytes,
+    bitcode: bytes,
+    fndesc: "FunctionDescriptor",
+    signature: object,
+    reload_init: list[Callable[[], object]],
+    environments: list[_Environment],
+) -> CompileResult:
+    """Return a compile result from its parts.
+
+    numba's own method parses the bitcode, and imports the module of each function that the compiler inlined; some of
+    these modules of numba import scipy.
+    """
+    for prepare in reload_init:
+        prepare()
+    library = _StoredLibrary(target.codegen(), name, code, bitcode)
+    own, *others = map(_environment, environments)
+    entry_point = target.get_executable(library, fndesc, own)
+    for env in others:
+        library.codegen.set_env(env.env_name, env)
+    return compile_result(
+        target_context=target,
+        typing_context=target.typing_context,
+        library=library,
+        environment=own,
+        entry_point=entry_point,
+        fndesc=fndesc,
+        signature=signature,
+        objectmode=False,
+        lifted=(),
+        reload_init=reload_init,
+        referenced_envs=others,
+    )
+
+
+def _environment(parts: _Environment) -> Environment:
+    """Return a function's environment. Its globals are empty except for the module's name, because only code in object
+    mode reads globals."""
+    name, module, constants = parts
+    env = lookup_environment(name)
+    if env is None:
+        env = Environment({"__name__": module})
+        env.env_name = name
+        env.consts[:] = constants
+        Environment._memo[name] = env
+    return env
 
 
 for _, _formula in inspect.getmembers(elementary, inspect.isfunction):
