@@ -121,7 +121,13 @@ class CostmapObservation:
 
 @njit(cache=True)
 def _clear_along_beams(
-    marks: Costs, frame: CostFrame, sweep: Sweep, farthest: float, raytrace_range: float, changed: NDArray[np.int64]
+    marks: Costs,
+    frame: CostFrame,
+    sweep: Sweep,
+    farthest: float,
+    raytrace_range: float,
+    kept: NDArray[np.int64],
+    changed: NDArray[np.int64],
 ) -> None:
     """Clear the cells from the laser to the end of each beam, up to raytrace_range.
 
@@ -131,6 +137,7 @@ def _clear_along_beams(
         sweep: the scan.
         farthest: length of beams that hit nothing, meters. If 0, these beams are ignored.
         raytrace_range: maximum distance that is cleared, meters.
+        kept: (4,) window that contains all marks other than FREE. Most beams end before it, and need no work.
         changed: (4,) window, which grows by the cells that change.
     """
     rows, cols = marks.shape
@@ -159,6 +166,10 @@ def _clear_along_beams(
             x, y = sweep.x + a * (top - sweep.y) / b, top - 0.001
         row_end, col_end = math.floor((y - frame.y) / size), math.floor((x - frame.x) / size)
         if row_end < 0 or col_end < 0 or row_end >= rows or col_end >= cols:
+            continue
+        if max(row, row_end) < kept[0] or min(row, row_end) >= kept[2]:
+            continue
+        if max(col, col_end) < kept[1] or min(col, col_end) >= kept[3]:
             continue
         # Near the laser, several beams end in the same cell. Clear the line to this cell only once.
         if row_end != last_row or col_end != last_col:
@@ -326,7 +337,7 @@ def _observe(
     marks: Costs, grid_x: float, grid_y: float, size: float, row: int, col: int,
     laser_x: float, laser_y: float, laser_theta: float, angle_min: float, angle_increment: float,
     readings: FloatArray, rays: FloatArray, range_max: float,
-    sources: FloatArray, clears: bool, clears_between: bool,
+    sources: FloatArray, clears: bool, clears_between: bool, tracks_unknown: bool,
     explained_distance: float, near_walls: NDArray[np.bool_], discs: FloatArray,
     footprint: FloatArray, x: float, y: float, theta: float,
     standing: NDArray[np.int64], changed: NDArray[np.int64],
@@ -343,6 +354,7 @@ def _observe(
             it marks, its obstacle_range.
         clears: True if the space in front of the readings is cleared.
         clears_between: True if the space between beams is also cleared.
+        tracks_unknown: True if cells that no beam has reached are UNKNOWN.
         explained_distance: see `KnownObstacles`, also for the next two arguments.
         footprint: (n, 2) padded corners of the robot, base frame. (0, 2) if the cells under the robot are not cleared.
         x: pose of the robot in the map, with `y` and `theta`.
@@ -352,10 +364,15 @@ def _observe(
     frame = CostFrame(grid_x + col * size, grid_y + row * size, size)
     sweep = Sweep(laser_x, laser_y, laser_theta, angle_min, angle_increment, readings, rays)
     known = KnownObstacles(explained_distance, near_walls, row, col, discs)
+    kept = np.array([0, 0, marks.shape[0], marks.shape[1]])
+    if not tracks_unknown:
+        for side in range(4):
+            kept[side] = standing[side] - (row if side % 2 == 0 else col)
     for i in range(sources.shape[0]):
         if sources[i, 0] != 0.0 and clears:
             farthest = range_max if sources[i, 1] != 0.0 else 0.0
-            _clear_along_beams(marks, frame, sweep, farthest, sources[i, 2], changed)
+            if kept[0] < kept[2]:
+                _clear_along_beams(marks, frame, sweep, farthest, sources[i, 2], kept, changed)
             if clears_between and _any_lethal(marks, row, col, standing):
                 _clear_between_beams(marks, frame, sweep, farthest, sources[i, 2], changed)
     for i in range(sources.shape[0]):
@@ -486,6 +503,7 @@ class ObstacleLayer:
             self._sources,
             clears,
             self._parameters.clear_between_beams,
+            self._default != FREE,
             self._parameters.explained_distance,
             self._near_walls,
             seen.discs,
