@@ -6,16 +6,17 @@ robots are stepped has no effect.
 """
 
 from bisect import bisect_left
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
+from typing import overload
 
 import numpy as np
 
 from sim.common.frozen import frozen
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.observations import Neighbour
+from sim.common.observations import Claim, Neighbour, Observations, Scan
 from sim.common.robot_numbers import namespace_of
 from sim.inputs import (
     CancelGoal,
@@ -53,7 +54,7 @@ from sim.robot.localization.fake_localization import FakeLocalization
 from sim.robot.navigator.move_base import Navigator
 from sim.robot.navigator.navigation import Navigation
 from sim.robot.navigator.recovery import RecoveryProgress
-from sim.robot.software import Robot, RobotOutput
+from sim.robot.software import PropagatedOutput, RestingOutput, Robot, RobotOutput
 from sim.world.physics import Misplaced, World, WorldState, with_charge, with_noise, with_thing, without_thing
 from sim.world.sensors import Sensors, mount_of
 
@@ -74,7 +75,7 @@ class TeamSnapshot:
 
     tick: int
     world: WorldState | None
-    robots: tuple[RobotOutput, ...]
+    robots: Sequence[RobotOutput]
     commands: FloatArray
     dead: frozenset[int] = frozenset()
 
@@ -94,24 +95,86 @@ START_COVARIANCE: FloatArray = np.diag([0.05 * 0.05, 0.05 * 0.05, 0.05 * 0.05])
 """Covariance of the start pose that a robot gets. People place robots on a mark with 5 cm and 3 degrees of error."""
 
 
+class TeamOutputs(Sequence[RobotOutput]):
+    """Outputs of all robots in one tick. Outputs of robots without a step are made when they are read.
+
+    Args:
+        stepped: outputs of the robots with a step, by index.
+        lasting: last outputs of all robots, without data that are valid only in the tick of their step.
+        dead: indices of the dead robots. Their last outputs are repeated.
+        scans: scans that resting robots took in, by index.
+        state: the present world.
+        corrections: (n, 3) poses of odom in the map, as estimated by each robot.
+        sense: function that returns the observations of a robot.
+    """
+
+    def __init__(
+        self,
+        stepped: Mapping[int, RobotOutput],
+        lasting: Sequence[RobotOutput],
+        dead: frozenset[int],
+        scans: Mapping[int, Scan],
+        state: WorldState,
+        corrections: FloatArray,
+        sense: Callable[[WorldState, int, Scan | None], Observations],
+    ) -> None:
+        self._known = dict(stepped)
+        self._lasting = lasting
+        self._dead = dead
+        self._scans = scans
+        self._state = state
+        self._corrections = corrections
+        self._sense = sense
+
+    def __len__(self) -> int:
+        return len(self._lasting)
+
+    @overload
+    def __getitem__(self, index: int) -> RobotOutput: ...
+    @overload
+    def __getitem__(self, index: "slice[int | None, int | None, int | None]") -> Sequence[RobotOutput]: ...
+    def __getitem__(
+        self, index: "int | slice[int | None, int | None, int | None]"
+    ) -> RobotOutput | Sequence[RobotOutput]:
+        if isinstance(index, slice):
+            return [self[each] for each in range(len(self))[index]]
+        output = self._known.get(index)
+        return self._make(range(len(self))[index]) if output is None else output
+
+    def _make(self, robot: int) -> RobotOutput:
+        if robot in self._dead:
+            return self._lasting[robot]
+        scan = self._scans.get(robot)
+        kind = PropagatedOutput if scan is None else RestingOutput
+        believed, twists = self._moved
+        sense = partial(self._sense, self._state, robot, scan)
+        output = self._known[robot] = kind.of(
+            self._lasting[robot], self._state.tick, believed[robot], twists[robot], sense
+        )
+        return output
+
+    @cached_property
+    def _moved(self) -> tuple[list[list[float]], list[list[float]]]:
+        """Pose estimates and measured velocities of all robots."""
+        return propagated(self._corrections, self._state.odom_poses).tolist(), self._state.odom_twists.tolist()
+
+
 class _Broadcasts:
     """Broadcasts of robots in one tick.
 
     Args:
-        outputs: outputs of the robots that broadcast, by index, in the team's order.
-
-    Attributes:
-        claims: claim of each robot, by index.
+        outputs: outputs of all robots.
+        claims: claim of each robot that broadcasts, by index, in the team's order.
     """
 
-    def __init__(self, outputs: Mapping[int, RobotOutput]) -> None:
-        self.claims = {robot: output.navigation.claim for robot, output in outputs.items()}
-        self._robots = list(outputs)
+    def __init__(self, outputs: Sequence[RobotOutput], claims: Mapping[int, Claim | None]) -> None:
+        self.claims = claims
+        self._robots = list(claims)
         self._outputs = outputs
 
     @cached_property
     def _all(self) -> tuple[Neighbour, ...]:
-        return tuple(output.neighbour for output in self._outputs.values())
+        return tuple(self._outputs[robot].neighbour for robot in self._robots)
 
     def others(self, robot: int) -> tuple[Neighbour, ...]:
         """Return the broadcasts of the other robots. This is fast, because many robots call it in each tick."""
@@ -168,10 +231,21 @@ class Team:
         self._driven_by_hand: dict[int, DriveManually] = {}
         self._schedule = sorted(schedule, key=lambda timed: timed.tick)
         self._carried: dict[int, KidnapRobot] = {}
-        self._dead: set[int] = set()
-        self._outputs: list[RobotOutput | None] = [None] * len(robots)
+        self._dead: frozenset[int] = frozenset()
+        # Dead robots, and robots revived since the last tick. The clocks of their software stand still.
+        self._paused: set[int] = set()
+        self._outputs: Sequence[RobotOutput] = ()
+        # Last outputs, without data that are valid only in the tick of their step. Empty before the first tick.
+        self._lasting: list[RobotOutput] = []
+        self._claims: Mapping[int, Claim | None] = {}
         # Broadcasts of the last tick, and of the tick before.
-        self._heard = self._heard_before = _Broadcasts({})
+        self._heard = self._heard_before = _Broadcasts((), {})
+        # True for robots that are stepped; dead robots are not.
+        self._running = np.ones(len(robots), dtype=np.bool_)
+        # Next tick in which each robot has work, apart from scans.
+        self._next_due = np.zeros(len(robots), dtype=np.int64)
+        # Robots whose commands came from a person in the last tick.
+        self._were_driven: set[int] = set()
         self._corrections = np.zeros((len(robots), 3))
         footprint = np.array(world.footprint, dtype=np.float64)
         # Robots plan one after another. So one workspace is enough, and it stays in the processor's cache.
@@ -231,8 +305,7 @@ class Team:
 
     def navigation(self, robot: int) -> Navigation | None:
         """Return what a robot's navigator did in the present tick; None before the first tick, and for a dead robot."""
-        output = self._outputs[robot]
-        return None if output is None or robot in self._dead else output.navigation
+        return None if not self._outputs or robot in self._dead else self._outputs[robot].navigation
 
     @property
     def worlds(self) -> tuple[WorldParameters, ...]:
@@ -241,8 +314,15 @@ class Team:
 
     def believed_pose(self, robot: int) -> Pose2:
         """Return a robot's estimate of its pose in the map. Before its first tick, it is the true start pose."""
-        output = self._outputs[robot]
-        return Pose2(*self._state.poses[robot].tolist()) if output is None else output.estimate.base_in_map
+        if not self._outputs:
+            return Pose2(*self._state.poses[robot].tolist())
+        return self._outputs[robot].estimate.base_in_map
+
+    def _awake(self, robot: int, tick: int | None = None) -> Robot:
+        """Return the software of a robot, after its clock has been set to a tick; by default, the present tick."""
+        if robot not in self._paused:
+            self._robots[robot].pass_to(self._state.tick if tick is None else tick)
+        return self._robots[robot]
 
     def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | PlanRefusal:
         """Make a plan for a robot on request (ROS: move_base/make_plan). The simulation does not change.
@@ -257,7 +337,7 @@ class Team:
             (m, 3) poses in the map, or the reason why no plan exists.
         """
         base_in_map = self.believed_pose(robot)
-        return self._robots[robot].navigator.make_plan(base_in_map, start or base_in_map, goal, tolerance)
+        return self._awake(robot).navigator.make_plan(base_in_map, start or base_in_map, goal, tolerance)
 
     def costmap(self, robot: int, name: CostmapName) -> RobotCostmap:
         """Return a costmap of a robot, with the robot's footprint. The simulation does not change.
@@ -266,7 +346,7 @@ class Team:
             robot: index of the robot.
             name: name of the costmap.
         """
-        return self._robots[robot].navigator.costmap(name, self.believed_pose(robot))
+        return self._awake(robot).navigator.costmap(name, self.believed_pose(robot))
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
         """Step by one tick. Inputs received since the last tick are applied first, in their order.
@@ -285,50 +365,78 @@ class Team:
             self._set_down(self._carried[robot])
         self._state = self._world.step(self._state, self._commands)
         outputs = self._step_robots(tick, requested)
-        self._commands = np.array([self._command(robot, output) for robot, output in enumerate(outputs)])
-        return TeamSnapshot(tick, self._state, outputs, self._commands, frozenset(self._dead))
+        return TeamSnapshot(tick, self._state, outputs, self._commands, self._dead)
 
-    def _step_robots(self, tick: int, requested: bool) -> tuple[RobotOutput, ...]:
-        """Step the robots that have work in this tick, and propagate the outputs of the other robots.
+    def _step_robots(self, tick: int, requested: bool) -> TeamOutputs:
+        """Step the robots that have work in this tick.
 
         After a request, all robots are stepped. They are also stepped if the set of robots that broadcast, or that ask
         others to clear a path, has changed.
         """
         heard, before, state = self._heard, self._heard_before, self._state
-        all_due = requested or heard.claims != before.claims
-        regroup = heard.claims.keys() != before.claims.keys()
-        believed: list[list[float]] = []
-        twists: list[list[float]] = []
-        for robot in self._robots:
-            index = robot.index
-            if index in self._dead and self._outputs[index] is not None:
-                continue
-            if regroup:
-                robot.rejoin(before.others(index))
-            if all_due or tick >= robot.next_due or self._sensors.scan_due(tick, index):
-                output = robot.step(self._sensors.sense(state, index), heard.others(index))
-                correction = output.estimate.odom_in_map
-                self._corrections[index] = correction.x, correction.y, correction.theta
+        if heard.claims.keys() != before.claims.keys():
+            for index in np.flatnonzero(self._running).tolist():
+                self._awake(index, tick - 1).rejoin(before.others(index))
+        due, all_due = self._running, requested or heard.claims != before.claims
+        if not all_due:
+            due = due & ((self._next_due <= tick) | self._sensors.scanning(tick, self.size))
+        stepped: dict[int, RobotOutput] = {}
+        scans: dict[int, Scan] = {}
+        for index in np.flatnonzero(due).tolist():
+            robot, others = self._awake(index, tick - 1), heard.others(index)
+            if not all_due and robot.is_at_rest(tick, state.odom_poses[index].tolist()):
+                scans[index] = scan = self._sensors.scan(state, index)
+                robot.take_in(scan, others)
             else:
-                if not believed:
-                    believed = propagated(self._corrections, state.odom_poses).tolist()
-                    twists = state.odom_twists.tolist()
-                sense = partial(self._sensors.sense, state, index)
-                output = robot.skip(tick, believed[index], twists[index], sense)
-            self._outputs[index] = output
-        outputs = [output for output in self._outputs if output is not None]
-        # Neither dead nor lost robots broadcast.
-        broadcasting = [robot for robot in self._robots if robot.index not in self._dead and not robot.lost]
-        self._heard_before = heard
-        self._heard = _Broadcasts({robot.index: outputs[robot.index] for robot in broadcasting})
-        return tuple(outputs)
+                stepped[index] = robot.step(self._sensors.sense(state, index), others)
+        self._keep(stepped, requested)
+        outputs = TeamOutputs(stepped, self._lasting, self._dead, scans, state, self._corrections, self._sensors.sense)
+        self._heard_before, self._heard = heard, _Broadcasts(outputs, self._claims)
+        self._paused = set(self._dead)
+        self._outputs = outputs
+        return outputs
 
-    def _command(self, robot: int, output: RobotOutput) -> tuple[float, float]:
+    def _keep(self, stepped: Mapping[int, RobotOutput], requested: bool) -> None:
+        """Record what lasts after the steps of this tick. Arrays and lists of previous ticks do not change."""
+        if stepped:
+            self._lasting = list(self._lasting) or list(stepped.values())
+        corrections, regroup = self._corrections, requested
+        for index, output in stepped.items():
+            robot = self._robots[index]
+            is_dead = index in self._dead
+            self._lasting[index] = output if is_dead or robot.lasting is None else robot.lasting
+            self._running[index] = not is_dead
+            self._next_due[index] = robot.next_due
+            correction = output.estimate.odom_in_map
+            pose = [correction.x, correction.y, correction.theta]
+            if pose != corrections[index].tolist():
+                if corrections is self._corrections:
+                    corrections = corrections.copy()
+                corrections[index] = pose
+            heard = not is_dead and not robot.lost
+            was = self._claims.get(index)
+            regroup = regroup or heard != (index in self._claims) or (heard and output.navigation.claim != was)
+        self._corrections = corrections
+        if regroup:
+            # Neither dead nor lost robots broadcast.
+            self._claims = {
+                robot.index: self._lasting[robot.index].navigation.claim
+                for robot in self._robots
+                if robot.index not in self._dead and not robot.lost
+            }
+        driven, self._were_driven = self._driven_by_hand.keys() | self._were_driven, set(self._driven_by_hand)
+        if stepped or driven:
+            self._commands = self._commands.copy()
+        for index in stepped.keys() | driven:
+            self._commands[index] = self._command(index)
+
+    def _command(self, robot: int) -> tuple[float, float]:
         if robot in self._dead:
             return 0.0, 0.0
         by_hand = self._driven_by_hand.get(robot)
         if by_hand is None:
-            return output.navigation.command.linear, output.navigation.command.angular
+            command = self._lasting[robot].navigation.command
+            return command.linear, command.angular
         if by_hand.ticks <= 1:
             del self._driven_by_hand[by_hand.robot]
         else:
@@ -351,7 +459,7 @@ class Team:
 
     def _configure(self, robot: int, parameters: RobotParameters) -> None:
         _check_live(robot, self._parameters[robot], parameters)
-        self._robots[robot].configure(parameters)
+        self._awake(robot).configure(parameters)
         self._parameters[robot] = parameters
 
     def _take(self, item: TeamInput) -> None:
@@ -370,25 +478,25 @@ class Team:
                 pass  # The software of a dead robot ignores requests.
             case SendGoal(robot, goal):
                 self._driven_by_hand.pop(robot, None)
-                self._robots[robot].navigator.go(goal)
+                self._awake(robot).navigator.go(goal)
             case CancelGoal(robot):
                 self._driven_by_hand.pop(robot, None)
-                self._robots[robot].navigator.cancel()
+                self._awake(robot).navigator.cancel()
             case DriveManually(robot):
-                self._robots[robot].navigator.cancel()
+                self._awake(robot).navigator.cancel()
                 self._driven_by_hand[robot] = item
             case SetPoseEstimate(robot, pose, covariance):
-                self._robots[robot].localizer.start(pose, covariance)
-                self._robots[robot].navigator.replan()
+                self._awake(robot).localizer.start(pose, covariance)
+                self._awake(robot).navigator.replan()
             case GlobalLocalization(robot):
-                self._robots[robot].localizer.globalize()
+                self._awake(robot).localizer.globalize()
             case NomotionUpdate(robot):
-                self._robots[robot].localizer.request_update()
+                self._awake(robot).localizer.request_update()
             case ClearCostmaps(robot):
-                self._robots[robot].navigator.clear_costmaps()
+                self._awake(robot).navigator.clear_costmaps()
             case ClearCostmapRegion(robot, name, side, middle, outside):
                 middle = middle or self.believed_pose(robot)
-                self._robots[robot].navigator.clear_region(name, middle, side, outside=outside)
+                self._awake(robot).navigator.clear_region(name, middle, side, outside=outside)
             case SetSoftwareParameters(robot, software):
                 self._configure(robot, software)
             case SetWorldParameters(robot, true):
@@ -399,7 +507,7 @@ class Team:
                 placed = self._world.place(self._state, robot, pose)
                 if isinstance(placed, WorldState):
                     self._state = placed
-                    self._robots[robot].localizer.start(pose, START_COVARIANCE)
+                    self._awake(robot).localizer.start(pose, START_COVARIANCE)
             case PutThing(thing):
                 self._state = with_thing(self._state, thing)
             case RemoveThing(name):
@@ -408,17 +516,22 @@ class Team:
                 self._carried[robot] = item
             case KillRobot(robot):
                 self._driven_by_hand.pop(robot, None)
-                self._robots[robot].navigator.cancel()
-                self._dead.add(robot)
-                if (output := self._outputs[robot]) is not None:
+                self._awake(robot).navigator.cancel()
+                self._dead |= {robot}
+                self._paused.add(robot)
+                if self._outputs:
                     # From now on, the last output is repeated for the dead robot. So it must not end a goal again.
+                    output = self._outputs[robot]
                     last = replace(output.navigation, result=None, global_costmap=None, local_costmap=None, fault="")
-                    self._outputs[robot] = RobotOutput(output.observations, output.estimate, last, output.neighbour)
+                    self._lasting = list(self._lasting)
+                    self._lasting[robot] = RobotOutput(output.observations, output.estimate, last, output.neighbour)
+                    self._running[robot] = False
                 # The last snapshot still uses the old array, so it must not change.
                 self._commands = self._commands.copy()
                 self._commands[robot] = 0.0
             case ReviveRobot(robot):
-                self._dead.discard(robot)
+                self._dead -= {robot}
+                self._running[robot] = True
 
 
 def _check_live(robot: int, before: P, after: P) -> None:

@@ -3,9 +3,10 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 from sim.common.geometry import Pose2
-from sim.common.observations import Neighbour, Observations, Twist
+from sim.common.observations import Neighbour, Observations, Scan, Twist
 from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters
 from sim.robot.localization.estimate import Estimate, Localizer
@@ -40,8 +41,8 @@ class RobotOutput:
         return self.estimate.lost
 
 
-class PropagatedOutput(RobotOutput):
-    """Output in a tick without a step: the output of the last step, propagated by odometry.
+class LazyOutput(RobotOutput):
+    """Output that follows from the output of the last step and from odometry.
 
     Its attributes are computed only when they are read, because most ticks are never examined.
     """
@@ -56,7 +57,7 @@ class PropagatedOutput(RobotOutput):
         base_in_map: Sequence[float],
         twist: Sequence[float],
         sense: Callable[[], Observations],
-    ) -> "PropagatedOutput":
+    ) -> Self:
         """Propagate an output.
 
         Args:
@@ -99,6 +100,20 @@ class PropagatedOutput(RobotOutput):
         return Neighbour(last.robot, here, twist, last.footprint, last.path, last.times, last.claim)
 
 
+class PropagatedOutput(LazyOutput):
+    """Output in a tick without a step."""
+
+
+class RestingOutput(LazyOutput):
+    """Output in a tick in which a resting robot only marked and cleared obstacles with a scan."""
+
+    @cached_property
+    def estimate(self) -> Estimate:
+        """Estimate, computed at the first use. Its correction is a new object, as after every scan."""
+        estimate = super().estimate
+        return replace(estimate, odom_in_map=replace(estimate.odom_in_map))
+
+
 class Robot:
     """The software of one robot: a localizer connected to a navigator. Its only inputs are observations and messages.
 
@@ -110,6 +125,8 @@ class Robot:
         next_due: next tick in which a step is needed even without a scan or a request. Before it, the last output is
             propagated.
         lost: True if the robot was lost in the last step.
+        rests: True if, until `next_due`, scans only mark and clear obstacles, unless the robot moves.
+        lasting: output of the last step, without data that are valid only in its tick. None before the first step.
     """
 
     def __init__(self, index: int, localizer: Localizer, navigator: Navigator, footprint: FloatArray) -> None:
@@ -119,8 +136,11 @@ class Robot:
         self._footprint = footprint
         self.next_due = 0
         self.lost = False
-        self._skipped = False
-        self._left: RobotOutput
+        self.rests = False
+        self._base_in_odom: Sequence[float] = ()
+        self.lasting: RobotOutput | None = None
+        # Ticks of the last step, and of the last tick that is known to have had no step.
+        self._stepped = self._passed = -1
 
     def configure(self, parameters: RobotParameters) -> None:
         """Continue with these parameters. Pose estimate, costmaps and goal do not change."""
@@ -148,25 +168,38 @@ class Robot:
             navigation.times,
             navigation.claim,
         )
-        output = self._left = RobotOutput(observations, estimate, navigation, neighbour)
-        self.lost, self._skipped = estimate.lost, False
+        output = self.lasting = RobotOutput(observations, estimate, navigation, neighbour)
+        base = odometry.base_in_odom
+        self.lost, self._stepped, self._base_in_odom = estimate.lost, tick, [base.x, base.y, base.theta]
         carries = self.localizer.awaits_scan and not estimate.lost
         self.next_due = self.navigator.next_due(tick, neighbours) if carries else tick + 1
+        self.rests = carries and self.navigator.rests and self.localizer.ignores_scans(odometry)
         if navigation.result or navigation.global_costmap or navigation.local_costmap or navigation.fault:
             lasting = replace(navigation, result=None, global_costmap=None, local_costmap=None, fault="")
-            # The output without data that are valid only in this tick.
-            self._left = RobotOutput(observations, estimate, lasting, neighbour)
+            self.lasting = RobotOutput(observations, estimate, lasting, neighbour)
         return output
 
-    def skip(
-        self, tick: int, base_in_map: Sequence[float], twist: Sequence[float], sense: Callable[[], Observations]
-    ) -> RobotOutput:
-        """Return the output of a tick without a step. See `PropagatedOutput.of` for the arguments."""
-        self.navigator.skip(tick)
-        self._skipped = True
-        return PropagatedOutput.of(self._left, tick, base_in_map, twist, sense)
+    def is_at_rest(self, tick: int, base_in_odom: Sequence[float]) -> bool:
+        """Return True if `take_in` is enough for a scan in this tick.
+
+        Args:
+            tick: the present tick.
+            base_in_odom: present pose by odometry.
+        """
+        return self.rests and tick < self.next_due and base_in_odom == self._base_in_odom
+
+    def take_in(self, scan: Scan, neighbours: Sequence[Neighbour]) -> None:
+        """Mark and clear obstacles with a scan while the robot rests. The output does not change."""
+        if self.lasting is not None:
+            self.navigator.take_in(self.lasting.estimate.base_in_map, scan, neighbours)
+
+    def pass_to(self, tick: int) -> None:
+        """Record that there was no step since the last step, until and including this tick."""
+        if -1 < self._stepped < tick:
+            self._passed = tick
+            self.navigator.skip(tick)
 
     def rejoin(self, neighbours: Sequence[Neighbour]) -> None:
         """Process the broadcasts that came before the last tick, if this robot had no step in that tick."""
-        if self._skipped:
+        if self._passed > self._stepped:
             self.navigator.rejoin(neighbours)

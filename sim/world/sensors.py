@@ -161,6 +161,13 @@ def _keys(seed: int, robots: int) -> NDArray[np.uint64]:
     )
 
 
+@lru_cache(maxsize=64)
+def _turns(period: int, robots: int) -> NDArray[np.bool_]:
+    """Return (period, robots) True for the robots that scan in ticks with this remainder."""
+    turns: NDArray[np.bool_] = (np.arange(period)[:, np.newaxis] + np.arange(robots)) % period == 0
+    return turns
+
+
 def mount_of(parameters: LaserParameters) -> LaserMount:
     """Return the laser's mount and beams, which are spread evenly and symmetrically around straight ahead."""
     return LaserMount(
@@ -210,8 +217,19 @@ class Sensors:
         """Return True if a robot's laser scans in this tick."""
         return (tick + robot) % self._period == 0
 
-    def sense(self, state: WorldState, robot: int) -> Observations:
-        """Return everything that a robot (index in the team) perceives in this tick."""
+    def scanning(self, tick: int, robots: int) -> NDArray[np.bool_]:
+        """Return (robots,) True for the robots whose lasers scan in this tick."""
+        scanning: NDArray[np.bool_] = _turns(self._period, robots)[tick % self._period]
+        return scanning
+
+    def sense(self, state: WorldState, robot: int, scan: Scan | None = None) -> Observations:
+        """Return everything that a robot (index in the team) perceives in this tick.
+
+        Args:
+            state: the present world.
+            robot: index of the robot.
+            scan: the scan of this tick, if it has been made already.
+        """
         tick, keys = state.tick, _keys(self._seed, len(state.poses))
         x, y, theta, linear, angular, rate, charge = _inner(
             robot, tick, state.odom_poses, state.odom_twists, state.twists, state.charge, keys, state.noise.gyro
@@ -220,13 +238,13 @@ class Sensors:
             tick,
             Odometry(tick, Pose2(x, y, theta), Twist(linear, angular)),
             Imu(tick, rate),
-            self._scan(state, robot, keys) if self.scan_due(tick, robot) else None,
+            scan or (self.scan(state, robot) if self.scan_due(tick, robot) else None),
             Battery(tick, charge, self._capacity),
         )
 
-    def _scan(self, state: WorldState, robot: int, keys: NDArray[np.uint64]) -> Scan:
-        """Make a scan. All beams measure at the same instant."""
-        laser, fan = self._laser, self._fan
+    def scan(self, state: WorldState, robot: int) -> Scan:
+        """Make a robot's scan. All beams measure at the same instant."""
+        laser, fan, keys = self._laser, self._fan, _keys(self._seed, len(state.poses))
         ranges = _scan(
             robot,
             state.tick,

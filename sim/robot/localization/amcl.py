@@ -201,6 +201,11 @@ class Amcl:
         """True after the filter has started, because then only scans change its state."""
         return isinstance(self.state, ParticleBelief)
 
+    def ignores_scans(self, odometry: Odometry) -> bool:
+        """Return True while a robot that stands is sure of its pose."""
+        belief = self.state
+        return isinstance(belief, ParticleBelief) and not belief.unsure and not self._due(belief, odometry)
+
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Process one tick. A scan is weighed if the robot has moved enough since the last weighed scan."""
         belief = self.state

@@ -187,6 +187,10 @@ class KalmanLocalizer:
         """False, because the gyroscope is used in every tick."""
         return False
 
+    def ignores_scans(self, odometry: Odometry) -> bool:
+        """Return False; see `awaits_scan`."""
+        return False
+
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Process one tick. A scan is matched if the robot has moved enough since the last match."""
         state = self._state

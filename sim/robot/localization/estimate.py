@@ -121,5 +121,8 @@ class Localizer(Protocol):
     def awaits_scan(self) -> bool:
         """True if ticks without a scan do not change its state. Odometry then propagates the last correction."""
 
+    def ignores_scans(self, odometry: Odometry) -> bool:
+        """Return True if scans do not change its state either, until odometry changes or a request comes."""
+
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Process one tick. `scan` is None if the laser did not scan in this tick."""

@@ -53,6 +53,10 @@ class FakeLocalization:
         """False, because the truth changes in every tick."""
         return False
 
+    def ignores_scans(self, odometry: Odometry) -> bool:
+        """Return False; see `awaits_scan`."""
+        return False
+
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Return the present true pose, and the correction `odom_in_map` with which odometry gives this pose."""
         base_in_map = self._world_in_map.compose(self._base_in_world())

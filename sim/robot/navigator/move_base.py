@@ -226,13 +226,9 @@ class Navigator:
             execution.command = STANDSTILL  # Stop looking around now, not only when the next command is due.
             execution.enter("located", execution.standing())
         if scan is not None:
-            laser = pose.compose(scan.mount.laser_in_base)
-            self._stale.forget_seen_through(laser, scan)
+            self._stale.forget_seen_through(pose.compose(scan.mount.laser_in_base), scan)
             if execution.goal is not None or not self._parameters.move_base.shutdown_costmaps:
-                discs = _discs(self._stale.known(tick), laser, self._costmaps.explained_range)
-                seen = CostmapObservation(pose, scan, discs)
-                self._costmaps.global_costmap.observe(seen)
-                self._controller.keep_scan(seen)
+                self._observe(pose, scan, self._stale.known(tick))
         self._itinerary_planner.search_on()
         clearing = isinstance(execution.state, Clearing)
         # Robots plan in turns, so that each robot knows the plans of all others.
@@ -242,6 +238,27 @@ class Navigator:
             bodies = [*neighbours, *self._stale.bodies()]
             self._choose_command(tick, pose, twist, bodies)
         return self._report(tick, pose)
+
+    @property
+    def rests(self) -> bool:
+        """True if the robot stands without a goal, and knows only robots that broadcast.
+
+        Until `next_due`, a step with a scan then does the same as `take_in`.
+        """
+        execution = self._execution
+        return isinstance(execution.state, Idle) and execution.state.wanted is None and not self._stale.any
+
+    def take_in(self, base_in_map: Pose2, scan: Scan, neighbours: Sequence[Neighbour]) -> None:
+        """Mark and clear obstacles with a scan of a resting robot; see `step` for the arguments."""
+        if not self._parameters.move_base.shutdown_costmaps:
+            neighbours = self._rotated.neighbours_in_grid(neighbours)
+            self._observe(self._rotated.pose_in_grid(base_in_map), scan, neighbours)
+
+    def _observe(self, pose: Pose2, scan: Scan, neighbours: Sequence[Neighbour]) -> None:
+        discs = _discs(neighbours, pose.compose(scan.mount.laser_in_base), self._costmaps.explained_range)
+        seen = CostmapObservation(pose, scan, discs)
+        self._costmaps.global_costmap.observe(seen)
+        self._controller.keep_scan(seen)
 
     def next_due(self, tick: int, neighbours: Sequence[Neighbour]) -> int:
         """Return the next tick in which a step is needed even without a scan. Before it, the output would not change.

@@ -79,6 +79,11 @@ class StaleNeighbours:
         self._current = neighbours
 
     @property
+    def any(self) -> bool:
+        """True if a robot is remembered that no longer broadcasts."""
+        return bool(self._stale)
+
+    @property
     def highest_robot(self) -> int:
         """The highest index of the robots that broadcast."""
         return max(self._robots, default=0)

@@ -26,7 +26,7 @@ class Errands:
 
     def next(self, snapshot: TeamSnapshot | None) -> list[TeamInput]:
         inputs: list[TeamInput] = []
-        for robot in range(len(self._bound)):
+        for robot in range(len(self._bound) if self._goals else 0):
             if snapshot is not None and snapshot.robots[robot].navigation.goal is not None:
                 continue
             free = [room for room in range(len(self._goals)) if room not in self._bound]

@@ -196,6 +196,10 @@ class GuardedLocalizer:
         """False, because the lab's localizer is also updated in ticks without a scan."""
         return False
 
+    def ignores_scans(self, odometry: Odometry) -> bool:
+        """Return False; see `awaits_scan`."""
+        return False
+
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Return the lab's estimate. After a failure, return the estimate of a lost robot; see `Localizer`."""
         if self._base_in_map is not None:
