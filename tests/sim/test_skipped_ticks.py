@@ -24,6 +24,7 @@ from sim.inputs import (
 )
 from sim.numerics.noise_arrays import NoiseStream
 from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.costmap.view import ShownCostmap
 from sim.robot.navigator.goals import Goal
 from sim.robot.software import LazyOutput
 from sim.team import START_COVARIANCE, Team
@@ -43,6 +44,8 @@ def parts(value: object) -> Iterator[object]:
     """All numbers of an output, to the bit."""
     if isinstance(value, np.ndarray):
         yield value.shape, value.dtype.str, value.tobytes()
+    elif isinstance(value, ShownCostmap):
+        yield from parts(value.view)
     elif is_dataclass(value):
         for field in fields(value):
             yield field.name

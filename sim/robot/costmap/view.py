@@ -1,6 +1,8 @@
 """Costmap for readers outside the navigator."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -27,3 +29,25 @@ class CostmapView:
     origin: Pose2
     resolution: float
     costs: NDArray[np.uint8]
+
+
+class ShownCostmap:
+    """A costmap that is published in a tick. It is computed when it is first read, because most are never read.
+
+    Args:
+        compute: function that returns the costmap. It is called before the costmap changes, or never.
+    """
+
+    def __init__(self, compute: Callable[[], CostmapView]) -> None:
+        self._compute: Callable[[], CostmapView] | None = compute
+
+    @cached_property
+    def view(self) -> CostmapView:
+        """The costmap. It must be read for the first time before the robot's next step."""
+        if self._compute is None:
+            raise RuntimeError("the costmap has changed. Read it before the robot's next step.")
+        return self._compute()
+
+    def expire(self) -> None:
+        """Record that the costmap changes now. If it has not been read, it can no longer be read."""
+        self._compute = None

@@ -1,6 +1,7 @@
 """The two costmaps of one robot, and their publication."""
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from sim.parameters import RobotParameters
 from sim.robot.costmap.costmap_2d import Costmap2D
 from sim.robot.costmap.obstacle import CostmapObservation
 from sim.robot.costmap.robot_costmap import RobotCostmap
-from sim.robot.costmap.view import CostmapName, CostmapView
+from sim.robot.costmap.view import CostmapName, CostmapView, ShownCostmap
 from sim.robot.navigator.rotated_map import RotatedMap
 from sim.robot.navigator.stale_neighbours import StaleNeighbours
 
@@ -34,6 +35,7 @@ class CostmapPublisher:
         self._turned = turned
         self._robot = robot
         self._first = at_once
+        self._last: ShownCostmap | None = None
         self.configure(publish_frequency)
 
     def configure(self, publish_frequency: float) -> None:
@@ -50,8 +52,8 @@ class CostmapPublisher:
 
     def show(
         self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour], pending: CostmapObservation | None
-    ) -> CostmapView:
-        """Return the costmap as it would be after an update in this tick.
+    ) -> ShownCostmap:
+        """Return the costmap as it would be after an update in this tick. It can be read until the next step.
 
         Args:
             tick: the present tick.
@@ -60,9 +62,21 @@ class CostmapPublisher:
             pending: a scan that the costmap has not processed yet.
         """
         self._first = False
+        self._last = ShownCostmap(partial(self._view, tick, pose, neighbours, pending))
+        return self._last
+
+    def _view(
+        self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour], pending: CostmapObservation | None
+    ) -> CostmapView:
         now = self.at(tick, pose, neighbours, pending)
         now.costs.setflags(write=False)
         return CostmapView(tick, now.origin, now.resolution, now.costs)
+
+    def expire(self) -> None:
+        """Record that the costmap changes now; see `ShownCostmap`."""
+        if self._last is not None:
+            self._last.expire()
+            self._last = None
 
     def at(
         self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour], pending: CostmapObservation | None
@@ -99,8 +113,14 @@ class Costmaps:
         )
         self._around_display = CostmapPublisher(self.local_costmap, around.publish_frequency, turned, robot)
 
+    def expire(self) -> None:
+        """Record that the costmaps change now; see `ShownCostmap`."""
+        self._whole_display.expire()
+        self._around_display.expire()
+
     def configure(self, parameters: RobotParameters) -> None:
         """Continue with these parameters and the present marks."""
+        self.expire()
         self.global_costmap.configure(parameters.global_costmap)
         self.local_costmap.configure(parameters.local_costmap)
         self._whole_display.configure(parameters.global_costmap.publish_frequency)
@@ -113,6 +133,7 @@ class Costmaps:
 
     def clear(self) -> None:
         """Forget what the laser has seen."""
+        self.expire()
         self.global_costmap.obstacles.clear()
         self.local_costmap.obstacles.clear()
 
@@ -125,6 +146,7 @@ class Costmaps:
             side: side of the square, meters. If None, the region is the whole costmap.
             outside: True if the region is outside the square.
         """
+        self.expire()
         obstacles = (self.global_costmap if name == "global_costmap" else self.local_costmap).obstacles
         if side is None:
             obstacles.clear()
@@ -135,6 +157,7 @@ class Costmaps:
 
     def clear_outside(self, x: float, y: float, side: float) -> None:
         """Forget what the laser has seen outside a square of this side around a map point."""
+        self.expire()
         self.global_costmap.obstacles.clear_outside(x, y, side)
         self.local_costmap.obstacles.clear_outside(x, y, side)
 
@@ -145,7 +168,7 @@ class Costmaps:
 
     def shown(
         self, tick: int, pose: Pose2, stale: StaleNeighbours, pending: CostmapObservation | None
-    ) -> tuple[CostmapView | None, CostmapView | None]:
+    ) -> tuple[ShownCostmap | None, ShownCostmap | None]:
         """Return the global and the local costmap, with None for a costmap that is not due.
 
         Args:

@@ -213,6 +213,7 @@ class Navigator:
             lost: True if the pose is not reliable. A robot with a goal then looks around until the pose is reliable.
         """
         execution = self._execution
+        self._costmaps.expire()
         # Ticks are missing after the robot was dead.
         if tick != self._tick + 1:
             execution.restart(tick)
@@ -251,6 +252,7 @@ class Navigator:
     def take_in(self, base_in_map: Pose2, scan: Scan, neighbours: Sequence[Neighbour]) -> None:
         """Mark and clear obstacles with a scan of a resting robot; see `step` for the arguments."""
         if not self._parameters.move_base.shutdown_costmaps:
+            self._costmaps.expire()
             neighbours = self._rotated.neighbours_in_grid(neighbours)
             self._observe(self._rotated.pose_in_grid(base_in_map), scan, neighbours)
 

@@ -5,7 +5,7 @@ from typing import Literal
 from sim.common.frozen import frozen
 from sim.common.observations import Claim, Twist
 from sim.numerics.float_array import FloatArray
-from sim.robot.costmap.view import CostmapView
+from sim.robot.costmap.view import ShownCostmap
 from sim.robot.navigator.goals import Goal, GoalResult
 
 NavigatorState = Literal["idle", "planning", "controlling", "clearing"]
@@ -44,8 +44,8 @@ class Navigation:
     result: GoalResult | None
     remaining: float
     claim: Claim | None = None
-    global_costmap: CostmapView | None = None
-    local_costmap: CostmapView | None = None
+    global_costmap: ShownCostmap | None = None
+    local_costmap: ShownCostmap | None = None
     waits_for: int | None = None
     makes_way_for: int | None = None
     fault: str = ""

@@ -11,7 +11,7 @@ from sim.common.observations import Battery, Twist
 from sim.common.robot_numbers import namespace_of
 from sim.inputs import KillRobot, ReviveRobot, SendGoal, SetCharge
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.costmap.view import CostmapView
+from sim.robot.costmap.view import CostmapView, ShownCostmap
 from sim.robot.navigator.goals import Cancelled, Goal
 from sim.robot.software import PropagatedOutput, RobotOutput
 from sim.team import Team, TeamSnapshot
@@ -167,7 +167,7 @@ def test_a_local_plan_is_said_when_it_changes() -> None:
 def test_costmaps_are_said_when_they_are_shown() -> None:
     (snapshot,) = snapshots(1, 1)
     view = CostmapView(0, Pose2(-1.0, -2.0, 0.0), 0.05, np.array([[0, 1, 252], [253, 254, 255]], dtype=np.uint8))
-    navigation = replace(snapshot.robots[0].navigation, local_costmap=view)
+    navigation = replace(snapshot.robots[0].navigation, local_costmap=ShownCostmap(lambda: view))
     messages = TeamPublisher(1, MOUNT, SCAN_PERIOD).tick(_with(snapshot, navigation=navigation))
     (shown,) = [m for m in messages if m.topic.name.endswith("_costmap/costmap")]
     assert shown.topic == Topic("/robot1/move_base/local_costmap/costmap", types.OCCUPANCY_GRID, latched=True)
