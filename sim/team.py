@@ -154,9 +154,14 @@ class TeamOutputs(Sequence[RobotOutput]):
         return output
 
     @cached_property
+    def believed(self) -> FloatArray:
+        """(n, 3) pose estimates of all robots, by their last corrections and odometry."""
+        return propagated(self._corrections, self._state.odom_poses)
+
+    @cached_property
     def _moved(self) -> tuple[list[list[float]], list[list[float]]]:
         """Pose estimates and measured velocities of all robots."""
-        return propagated(self._corrections, self._state.odom_poses).tolist(), self._state.odom_twists.tolist()
+        return self.believed.tolist(), self._state.odom_twists.tolist()
 
 
 class _Broadcasts:
@@ -167,20 +172,32 @@ class _Broadcasts:
         claims: claim of each robot that broadcasts, by index, in the team's order.
     """
 
-    def __init__(self, outputs: Sequence[RobotOutput], claims: Mapping[int, Claim | None]) -> None:
+    def __init__(self, outputs: TeamOutputs | None, claims: Mapping[int, Claim | None]) -> None:
         self.claims = claims
         self._robots = list(claims)
         self._outputs = outputs
 
     @cached_property
     def _all(self) -> tuple[Neighbour, ...]:
-        return tuple(self._outputs[robot].neighbour for robot in self._robots)
+        outputs = self._outputs
+        return () if outputs is None else tuple(outputs[robot].neighbour for robot in self._robots)
+
+    @cached_property
+    def _places(self) -> FloatArray:
+        """(k, 2) map positions."""
+        return np.empty((0, 2)) if self._outputs is None else self._outputs.believed[self._robots, :2]
 
     def others(self, robot: int) -> tuple[Neighbour, ...]:
         """Return the broadcasts of the other robots. This is fast, because many robots call it in each tick."""
         heard = self._all
         own = bisect_left(self._robots, robot)
         return heard[:own] + heard[own + 1 :] if robot in self.claims else heard
+
+    def near(self, robot: int, pose: Pose2, distance: float) -> list[Neighbour]:
+        """Return at least the broadcasts of the other robots within a distance along x and y, meters."""
+        away = np.abs(self._places - (pose.x, pose.y)).max(axis=1)
+        close = [self._robots[index] for index in np.flatnonzero(away < distance).tolist()]
+        return [self._outputs[other].neighbour for other in close if other != robot and self._outputs is not None]
 
 
 class Team:
@@ -239,7 +256,7 @@ class Team:
         self._lasting: list[RobotOutput] = []
         self._claims: Mapping[int, Claim | None] = {}
         # Broadcasts of the last tick, and of the tick before.
-        self._heard = self._heard_before = _Broadcasts((), {})
+        self._heard = self._heard_before = _Broadcasts(None, {})
         # True for robots that are stepped; dead robots are not.
         self._running = np.ones(len(robots), dtype=np.bool_)
         # Next tick in which each robot has work, apart from scans.
@@ -383,12 +400,12 @@ class Team:
         stepped: dict[int, RobotOutput] = {}
         scans: dict[int, Scan] = {}
         for index in np.flatnonzero(due).tolist():
-            robot, others = self._awake(index, tick - 1), heard.others(index)
+            robot = self._awake(index, tick - 1)
             if not all_due and robot.is_at_rest(tick, state.odom_poses[index].tolist()):
                 scans[index] = scan = self._sensors.scan(state, index)
-                robot.take_in(scan, others)
+                robot.take_in(scan, heard.near)
             else:
-                stepped[index] = robot.step(self._sensors.sense(state, index), others)
+                stepped[index] = robot.step(self._sensors.sense(state, index), heard.others(index))
         self._keep(stepped, requested)
         outputs = TeamOutputs(stepped, self._lasting, self._dead, scans, state, self._corrections, self._sensors.sense)
         self._heard_before, self._heard = heard, _Broadcasts(outputs, self._claims)

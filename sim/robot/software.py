@@ -7,8 +7,10 @@ from typing import Self
 
 from sim.common.geometry import Pose2
 from sim.common.observations import Neighbour, Observations, Scan, Twist
+from sim.numerics import elementary
 from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters
+from sim.robot.costmap.footprint_cost import circumscribed_radius
 from sim.robot.localization.estimate import Estimate, Localizer
 from sim.robot.navigator.move_base import Navigator
 from sim.robot.navigator.navigation import Navigation
@@ -134,6 +136,7 @@ class Robot:
         self.localizer = localizer
         self.navigator = navigator
         self._footprint = footprint
+        self._radius = circumscribed_radius(footprint)
         self.next_due = 0
         self.lost = False
         self.rests = False
@@ -188,10 +191,18 @@ class Robot:
         """
         return self.rests and tick < self.next_due and base_in_odom == self._base_in_odom
 
-    def take_in(self, scan: Scan, neighbours: Sequence[Neighbour]) -> None:
-        """Mark and clear obstacles with a scan while the robot rests. The output does not change."""
+    def take_in(self, scan: Scan, near: Callable[[int, Pose2, float], Sequence[Neighbour]]) -> None:
+        """Mark and clear obstacles with a scan while the robot rests. The output does not change.
+
+        Args:
+            scan: the scan.
+            near: function that returns at least the broadcasts within a distance of a pose, see `Team`.
+        """
         if self.lasting is not None:
-            self.navigator.take_in(self.lasting.estimate.base_in_map, scan, neighbours)
+            base_in_map, laser = self.lasting.estimate.base_in_map, scan.mount.laser_in_base
+            reach = self.navigator.explained_range + self._radius + elementary.hypot(laser.x, laser.y)
+            # The navigator selects exactly, also on a rotated map.
+            self.navigator.take_in(base_in_map, scan, near(self.index, base_in_map, 1.5 * reach + 0.1))
 
     def pass_to(self, tick: int) -> None:
         """Record that there was no step since the last step, until and including this tick."""

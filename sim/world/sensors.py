@@ -33,10 +33,13 @@ def _sweep(
     squares: FreeSquares,
     frame: GridFrame,
     bodies: Polygons,
+    wall_poses: FloatArray,
+    wall_ranges: FloatArray,
 ) -> FloatArray:
     """Return the (m,) true ranges of a robot's laser to walls, other robots and things. They are inf beyond range_max.
 
     `radius`, meters, is the radius of a circle around the base that contains the (v, 2) corners of the footprint.
+    `wall_poses` has the pose at each robot's last scan, and `wall_ranges` the ranges from there to the walls.
     """
     theta = poses[robot, 2]
     laser = np.empty((1, 3))
@@ -44,8 +47,12 @@ def _sweep(
     laser[0, 0] = poses[robot, 0] + laser_x * ahead
     laser[0, 1] = poses[robot, 1] + laser_x * left
     laser[0, 2] = theta
-    ranges = np.empty((1, fan.directions.shape[0]))
-    cast_beams(squares, frame, laser, fan.directions, range_max, ranges)
+    kept = wall_poses[robot]
+    if kept[0] != poses[robot, 0] or kept[1] != poses[robot, 1] or kept[2] != theta:
+        cast_beams(squares, frame, laser, fan.directions, range_max, wall_ranges[robot : robot + 1])
+        for k in range(3):
+            kept[k] = poses[robot, k]
+    ranges: FloatArray = wall_ranges[robot].copy()
     # Bodies are placed in the laser's frame, so that the directions of its beams need not be rotated.
     farthest = range_max + 2.0 * radius
     body = np.empty_like(footprint)
@@ -62,7 +69,7 @@ def _sweep(
         for k in range(footprint.shape[0]):
             body[k, 0] = x + c * footprint[k, 0] - s * footprint[k, 1]
             body[k, 1] = y + s * footprint[k, 0] + c * footprint[k, 1]
-        shorten_fan_by_polygon(body, fan, range_max, ranges[0])
+        shorten_fan_by_polygon(body, fan, range_max, ranges)
     for k in range(bodies.circles.shape[0]):
         seen = bodies.corners[bodies.ends[k] : bodies.ends[k + 1]].copy()
         for corner in seen:
@@ -70,9 +77,8 @@ def _sweep(
             dy = corner[1] - laser[0, 1]
             corner[0] = dx * ahead + dy * left
             corner[1] = dy * ahead - dx * left
-        shorten_fan_by_polygon(seen, fan, range_max, ranges[0])
-    sweep: FloatArray = ranges[0]
-    return sweep
+        shorten_fan_by_polygon(seen, fan, range_max, ranges)
+    return ranges
 
 
 @njit(cache=True)
@@ -108,7 +114,7 @@ def _scan(
     robot: int, tick: int, poses: FloatArray, laser_x: float, angle_min: float, angle_increment: float,
     directions: FloatArray, range_min: float, range_max: float, footprint: FloatArray, radius: float,
     squares: FreeSquares, frame: GridFrame, corners: FloatArray, ends: NDArray[np.int64],
-    circles: FloatArray, keys: NDArray[np.uint64], noise: FloatArray,
+    circles: FloatArray, keys: NDArray[np.uint64], noise: FloatArray, wall_poses: FloatArray, wall_ranges: FloatArray,
 ) -> NDArray[np.float32]:  # fmt: skip
     """Return (m,) ranges as one robot's laser reports them, in one call with plain arguments.
 
@@ -117,11 +123,12 @@ def _scan(
         tick: see `_measured`.
         keys: (robots, 3) see `_keys`.
         noise: (robots, 3) range_noise, range_bias and dropout.
+        wall_poses: (robots, 3) see `_sweep`, also for `wall_ranges`.
     """
     fan = BeamFan(angle_min, angle_increment, directions)
     bodies = Polygons(corners, ends, circles)
     true_ranges = _sweep(
-        robot, poses, laser_x, fan, range_max, footprint, radius, squares, frame, bodies
+        robot, poses, laser_x, fan, range_max, footprint, radius, squares, frame, bodies, wall_poses, wall_ranges
     )  # fmt: skip
     return _measured(
         true_ranges, tick, keys[robot, 1], keys[robot, 2], noise[robot, 0], noise[robot, 1], noise[robot, 2],
@@ -212,6 +219,16 @@ class Sensors:
         self._radius = float(elementary_arrays.hypot(*self._footprint.T).max())
         self._squares = free_squares_of(grid)
         self._frame = grid.frame
+        # For each robot, the pose at its last scan, and the true ranges from there to the walls. Walls never move, so a
+        # robot that stands needs no new rays.
+        self._wall_poses = np.full((0, 3), np.nan)
+        self._wall_ranges = np.empty((0, laser.beams))
+
+    def _ranges_to_walls(self, robots: int) -> tuple[FloatArray, FloatArray]:
+        if len(self._wall_poses) != robots:
+            self._wall_poses = np.full((robots, 3), np.nan)
+            self._wall_ranges = np.empty((robots, self.mount.beams))
+        return self._wall_poses, self._wall_ranges
 
     def scan_due(self, tick: int, robot: int) -> bool:
         """Return True if a robot's laser scans in this tick."""
@@ -262,6 +279,7 @@ class Sensors:
             *state.bodies,
             keys,
             state.noise.laser,
+            *self._ranges_to_walls(len(state.poses)),
         )
         ranges.flags.writeable = False
         return Scan(state.tick, self.mount, ranges)

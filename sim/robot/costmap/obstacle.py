@@ -81,20 +81,25 @@ class KnownObstacles(NamedTuple):
 
 
 @njit(cache=True)
-def _rays(
-    theta: float, angle_min: float, angle_increment: float, ranges: NDArray[np.float32], range_min: float,
-    range_max: float,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return the readings and rays of a `Sweep`, for a scan of a laser with heading `theta` in the map."""
-    readings, rays = np.empty(ranges.shape[0]), np.empty((ranges.shape[0], 2))
+def _rays(theta: float, angle_min: float, angle_increment: float, beams: int) -> FloatArray:
+    """Return the rays of a `Sweep`, for a laser with heading `theta` in the map."""
+    rays = np.empty((beams, 2))
+    for i in range(beams):
+        angle = theta + angle_min + i * angle_increment
+        rays[i, 0], rays[i, 1] = elementary.cos_sin(angle)
+    return rays
+
+
+@njit(cache=True)
+def _readings(ranges: NDArray[np.float32], range_min: float, range_max: float) -> FloatArray:
+    """Return the readings of a `Sweep`."""
+    readings = np.empty(ranges.shape[0])
     for i in range(ranges.shape[0]):
         reading = float(ranges[i])
         # Other numbers are not readings. ROS's laser_geometry ignores them too.
         valid = range_min <= reading < range_max or reading == np.inf
         readings[i] = reading if valid else np.nan
-        angle = theta + angle_min + i * angle_increment
-        rays[i, 0], rays[i, 1] = elementary.cos_sin(angle)
-    return readings, rays
+    return readings
 
 
 class CostmapObservation:
@@ -104,19 +109,27 @@ class CostmapObservation:
         base_in_map: pose of the robot during the scan.
         scan: the readings.
         discs: (n, 3) x, y and radius of the other robots, meters.
+        before: the observation before, by the same laser. If the robot has not turned since then, its rays are used
+            again.
 
     Attributes:
         sweep: the scan for kernels.
     """
 
-    def __init__(self, base_in_map: Pose2, scan: Scan, discs: FloatArray) -> None:
+    def __init__(
+        self, base_in_map: Pose2, scan: Scan, discs: FloatArray, before: "CostmapObservation | None" = None
+    ) -> None:
         mount = scan.mount
         laser = base_in_map.compose(mount.laser_in_base)
-        rays = _rays(laser.theta, mount.angle_min, mount.angle_increment, scan.ranges, mount.range_min, mount.range_max)
+        if before is not None and before.sweep.theta == laser.theta and before.scan.mount is mount:
+            rays = before.sweep.rays
+        else:
+            rays = _rays(laser.theta, mount.angle_min, mount.angle_increment, mount.beams)
+        readings = _readings(scan.ranges, mount.range_min, mount.range_max)
         self.base_in_map = base_in_map
-        self.scan = scan
+        self.scan: Scan = scan
         self.discs = discs
-        self.sweep = Sweep(laser.x, laser.y, laser.theta, mount.angle_min, mount.angle_increment, *rays)
+        self.sweep: Sweep = Sweep(laser.x, laser.y, laser.theta, mount.angle_min, mount.angle_increment, readings, rays)
 
 
 @njit(cache=True)

@@ -117,6 +117,7 @@ class Navigator:
         self._controlling = ControlCycle(self._execution, self._controller)
         self._stale = StaleNeighbours()
         self._making_way = MakingWay()
+        self._seen: CostmapObservation | None = None
 
     def go(self, goal: Goal) -> None:
         """Accept a goal. The present goal ends as Cancelled."""
@@ -249,6 +250,11 @@ class Navigator:
         execution = self._execution
         return isinstance(execution.state, Idle) and execution.state.wanted is None and not self._stale.any
 
+    @property
+    def explained_range(self) -> float:
+        """Robots farther from the laser than this are not needed to explain readings, meters."""
+        return self._costmaps.explained_range
+
     def take_in(self, base_in_map: Pose2, scan: Scan, neighbours: Sequence[Neighbour]) -> None:
         """Mark and clear obstacles with a scan of a resting robot; see `step` for the arguments."""
         if not self._parameters.move_base.shutdown_costmaps:
@@ -258,7 +264,7 @@ class Navigator:
 
     def _observe(self, pose: Pose2, scan: Scan, neighbours: Sequence[Neighbour]) -> None:
         discs = _discs(neighbours, pose.compose(scan.mount.laser_in_base), self._costmaps.explained_range)
-        seen = CostmapObservation(pose, scan, discs)
+        self._seen = seen = CostmapObservation(pose, scan, discs, self._seen)
         self._costmaps.global_costmap.observe(seen)
         self._controller.keep_scan(seen)
 
