@@ -12,6 +12,7 @@ from functools import cached_property, partial
 from typing import overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.common.frozen import frozen
 from sim.common.geometry import Pose2
@@ -41,6 +42,7 @@ from sim.inputs import (
 )
 from sim.numerics import noise
 from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.parameters import RobotParameters, WorldParameters
 from sim.parameters.reconfiguration import P, fixed_differences
 from sim.robot.costmap.robot_costmap import RobotCostmap
@@ -164,6 +166,18 @@ class TeamOutputs(Sequence[RobotOutput]):
         return self.believed.tolist(), self._state.odom_twists.tolist()
 
 
+@njit(cache=True)
+def _within(places: FloatArray, x: float, y: float, distance: float) -> NDArray[np.int64]:
+    """Return the indices of the (k, 2) places within a distance of (x, y) along both axes."""
+    out = np.empty(places.shape[0], np.int64)
+    count = 0
+    for i in range(places.shape[0]):
+        if abs(places[i, 0] - x) < distance and abs(places[i, 1] - y) < distance:
+            out[count] = i
+            count += 1
+    return out[:count]
+
+
 class _Broadcasts:
     """Broadcasts of robots in one tick.
 
@@ -195,9 +209,11 @@ class _Broadcasts:
 
     def near(self, robot: int, pose: Pose2, distance: float) -> list[Neighbour]:
         """Return at least the broadcasts of the other robots within a distance along x and y, meters."""
-        away = np.abs(self._places - (pose.x, pose.y)).max(axis=1)
-        close = [self._robots[index] for index in np.flatnonzero(away < distance).tolist()]
-        return [self._outputs[other].neighbour for other in close if other != robot and self._outputs is not None]
+        outputs = self._outputs
+        if outputs is None:
+            return []
+        close = (self._robots[index] for index in _within(self._places, pose.x, pose.y, distance).tolist())
+        return [outputs[other].neighbour for other in close if other != robot]
 
 
 class Team:
