@@ -159,7 +159,7 @@ class HuntSession:
         self._last: TeamSnapshot | None = None
         self._open = ExitStack()
         self._closed = False
-        self._team = build_team(setting)
+        self._team = build_team(setting, is_shown=record is not None)
         programs = build_programs(setting, tuple(self._programs.values()), team=self._team)
         recording = NOT_RECORDED
         if record is not None:

@@ -49,7 +49,7 @@ class _Sums:
         self.squares = [0.0, 0.0]
         self.greatest = [0.0, 0.0]
         self.times_lost = self.ticks_lost = self.ticks_waiting = 0
-        self.is_lost = False
+        self.is_lost = self.waits = False
         self.distance = 0.0
 
 
@@ -70,13 +70,18 @@ class RunStatistics:
                 continue
             # The distance follows from the speed, because a change of position can also be a move by hand.
             sums.distance += abs(speed) * TICK
-            sums.ticks_waiting += robot.navigation.waits_for is not None
+            if isinstance(robot, PropagatedOutput):
+                # It has no scan, and the robot waits or is lost as at its last step.
+                sums.ticks_waiting += sums.waits
+                sums.ticks_lost += sums.is_lost
+                continue
             lost = robot.lost
+            sums.waits = robot.navigation.waits_for is not None
+            sums.ticks_waiting += sums.waits
             sums.times_lost += lost and not sums.is_lost
             sums.ticks_lost += lost
             sums.is_lost = lost
-            # Propagated outputs have no scan, and computing their observations takes time.
-            if not isinstance(robot, PropagatedOutput) and robot.observations.scan is not None:
+            if robot.observations.scan is not None:
                 x, y, theta = truth.poses[index].tolist()
                 believed = robot.estimate.base_in_map
                 position = elementary.hypot(believed.x - x, believed.y - y)

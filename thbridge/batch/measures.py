@@ -100,7 +100,8 @@ class GameObserver:
     def record(self, record: TickRecord) -> None:
         """Count the events of one tick."""
         self._refusals += len(record.refusals)
-        self._seats.record(record)
+        if record.events or record.utterances or record.team:
+            self._seats.record(record)
         for utterance in record.utterances:
             self._dialogues.add(utterance.dialogue)
             self._said[utterance.speaker] += 1

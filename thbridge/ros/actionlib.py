@@ -105,7 +105,7 @@ class _Entry:
 
     @property
     def is_active(self) -> bool:
-        return self.status in {GoalStatusCode.ACTIVE, GoalStatusCode.PREEMPTING}
+        return self.status is GoalStatusCode.ACTIVE or self.status is GoalStatusCode.PREEMPTING
 
     def report(self) -> GoalStatus:
         return GoalStatus(self.goal, self.status, self.text)

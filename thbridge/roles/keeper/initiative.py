@@ -119,6 +119,8 @@ def _decide_alone(game: OpenGame, state: GameState, robot: int, timeout: int) ->
 def report_failures(game: OpenGame) -> None:
     """Let arguing robots suggest another room after they failed to reach a room."""
     unreached = game.knowledge.unreached
+    if not unreached.to_report:
+        return
     for robot in unreached.to_report:
         state = game.state
         if state is None or not game.dialogues.argues or robot in game.dialogues.puppets:

@@ -123,6 +123,8 @@ _AFTER_AGREEING = _WISHES - {kind_of(GiveConsent)}
 _COUNTED_WISHES = _AFTER_AGREEING - {kind_of(PlayAgain)}
 """Requests whose repetitions are ignored. `PlayAgain` is not included: it names the finished game, so repetitions have
 no effect. Programs repeat it until robots join."""
+_REPORTS = {kind_of(TeamStatus), kind_of(MoveCosts)}
+"""Regular reports of SimR. Most of them change nothing."""
 _PERSONAL = {kind_of(kind) for kind in (GiveConsent, DeclineConsent, PlayAgain, ReportPresence)}
 """Notices that a researcher in the place of a participant cannot send."""
 _QUOTED = 200
@@ -410,10 +412,12 @@ class Keeper:
         for message in messages:
             value = parse_notice(message)
             if isinstance(value, Notice):
-                self._has_input = True
-                last = self._game.last_refusal
+                state, last = self._game.state, self._game.last_refusal
                 self._handle_notice(value)
                 now = self._game.last_refusal
+                is_news = value.kind not in _REPORTS or self._game.state is not state or now is not last
+                # In a game with several seats, each report is also a time at which absences are recorded.
+                self._has_input = self._has_input or is_news or bool(self._rules.seats)
                 if value.kind in _WISHES and now is not None and now is not last:
                     self._note_refusal(value.sender, value.kind, RequestRefused(now.reason, now.sentence))
         if self._game.team.decisions.open and settle(self._game, self._present, self._legacy_lines):

@@ -33,6 +33,7 @@ COUNTED = range(1, 1 << 32)
 senders."""
 
 _MARK = "thbridge"
+_JSON = json.JSONEncoder(ensure_ascii=True, allow_nan=False, separators=(",", ":"))
 _REQUEST = "request"
 
 
@@ -135,8 +136,7 @@ def notice(sender: str, receiver: str, kind: str, /, **fields: JsonValue) -> Tex
 
 
 def _message(sender: str, receiver: str, fields: Mapping[str, JsonValue]) -> TextMessage:
-    text = json.dumps(fields, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
-    return TextMessage(TextCommand.ERROR, sender, receiver, (_MARK, text.replace(" ", r"\u0020")))
+    return TextMessage(TextCommand.ERROR, sender, receiver, (_MARK, _JSON.encode(fields).replace(" ", r"\u0020")))
 
 
 def is_notice(message: TextMessage) -> bool:
@@ -166,7 +166,8 @@ def parse_notice(message: TextMessage) -> Notice | UnreadableText:
 
 def _has_half_a_character(text: str) -> bool:
     """Return True if the text contains only one half of a surrogate pair, as an escape. JSON's grammar allows this."""
-    if r"\u" not in text:
+    # Both halves begin like this. Most texts have other escapes only, such as blanks.
+    if r"\ud" not in text.lower():
         return False
     try:
         # Parsing joins a pair to one character. A single half stays as it is, and encoding fails.
