@@ -5,7 +5,6 @@ from collections.abc import Sequence
 
 from thbridge.app.compose.game import build_participants
 from thbridge.app.compose.recording import build_record, build_recorder, message_filter
-from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.session import SessionRecording, build_programs, open_session
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import PLAY, EndCondition, outcome_of
@@ -37,8 +36,7 @@ def play_hunt(
     """
     study, observer, statistics = setting.study, GameObserver(), RunStatistics()
     who = study.participant
-    team = build_team(setting, is_shown=bool(listeners or recorders))
-    programs = build_programs(setting, build_participants(setting) if participants is None else participants, team=team)
+    programs = build_programs(setting, build_participants(setting) if participants is None else participants)
     all_recorders: list[TickRecorder] = [observer, *recorders]
     if listeners:
         opening = build_record(setting, PLAY, programs.names, who.strategy)

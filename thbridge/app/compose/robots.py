@@ -1,14 +1,12 @@
 """Builders of the robots: the simulated team, the role of the robots, and the MAVLink vehicles."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from sim.common.observations import TICKS_PER_SECOND
 from sim.common.robot_numbers import number_of
 from sim.inputs import ScheduledInput, SendGoal
-from sim.parameters import RobotParameters
 from sim.robot.costmap.footprint import radii
 from sim.robot.navigator.goals import Goal
 from sim.team import Team
@@ -35,34 +33,19 @@ REHEARSERS = 10
 """Maximum number of robots with common parameters in one rehearsal. More robots would not compile more kernels."""
 
 
-def build_team(setting: StudySetting, *, is_shown: bool = True) -> Team:
-    """Return the simulated robots at their start poses.
-
-    If `is_shown` is False, the robots do not publish costmaps, because nothing reads them. Nothing else changes.
-    """
+def build_team(setting: StudySetting) -> Team:
+    """Return the simulated robots at their start poses."""
     study = setting.study
-    return _team(setting, range(study.robots), schedule_of(study.things, study.mishaps), is_shown=is_shown)
+    return _team(setting, range(study.robots), schedule_of(study.things, study.mishaps))
 
 
-def _team(
-    setting: StudySetting, robots: Sequence[int], schedule: Sequence[ScheduledInput], *, is_shown: bool = True
-) -> Team:
-    """Return some of the study's robots at their start poses; see `build_team`."""
+def _team(setting: StudySetting, robots: Sequence[int], schedule: Sequence[ScheduledInput]) -> Team:
+    """Return some of the study's robots at their start poses."""
     study = setting.study
     starts = [setting.map.starts[robot] for robot in robots]
     software = [study.software(number_of(robot)) for robot in robots]
-    if not is_shown:
-        software = [_without_publication(each) for each in software]
     return Team(
         setting.map.grid, study.world, software, starts, study.seed, study.game.energy, schedule, parts=setting.parts
-    )
-
-
-def _without_publication(software: RobotParameters) -> RobotParameters:
-    return replace(
-        software,
-        global_costmap=replace(software.global_costmap, publish_frequency=0.0),
-        local_costmap=replace(software.local_costmap, publish_frequency=0.0),
     )
 
 
