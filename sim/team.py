@@ -92,6 +92,12 @@ class TeamSnapshot:
             raise ValueError("the true state of real robots is unknown")
         return self.world
 
+    @property
+    def renewed(self) -> Mapping[int, RobotOutput]:
+        """Outputs of this tick by robot, in the team's order, without propagated and repeated outputs."""
+        outputs = self.robots
+        return outputs.renewed if isinstance(outputs, TeamOutputs) else dict(enumerate(outputs))
+
 
 START_COVARIANCE: FloatArray = np.diag([0.05 * 0.05, 0.05 * 0.05, 0.05 * 0.05])
 """Covariance of the start pose that a robot gets. People place robots on a mark with 5 cm and 3 degrees of error."""
@@ -120,6 +126,7 @@ class TeamOutputs(Sequence[RobotOutput]):
         corrections: FloatArray,
         sense: Callable[[WorldState, int, Scan | None], Observations],
     ) -> None:
+        self._stepped = stepped
         self._known = dict(stepped)
         self._lasting = lasting
         self._dead = dead
@@ -159,6 +166,13 @@ class TeamOutputs(Sequence[RobotOutput]):
     def believed(self) -> FloatArray:
         """(n, 3) pose estimates of all robots, by their last corrections and odometry."""
         return propagated(self._corrections, self._state.odom_poses)
+
+    @cached_property
+    def renewed(self) -> Mapping[int, RobotOutput]:
+        """Outputs of robots with a step or a scan in this tick; see `TeamSnapshot.renewed`."""
+        if not self._scans:
+            return self._stepped
+        return {robot: self[robot] for robot in sorted({*self._stepped, *self._scans})}
 
     @cached_property
     def _moved(self) -> tuple[list[list[float]], list[list[float]]]:

@@ -17,7 +17,6 @@ from sim.common.observations import TICKS_PER_SECOND, Twist
 from sim.common.robot_numbers import number_of
 from sim.inputs import CancelGoal, GlobalLocalization, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot
 from sim.robot.navigator.goals import GoalReached, GoalResult, NoPath
-from sim.robot.software import PropagatedOutput
 from sim.team import TeamSnapshot
 from thbridge.api.errors import HuntError, as_hunt_errors
 from thbridge.api.participant import HuntParticipant, QueuePlayer, checked_index, whole
@@ -159,7 +158,7 @@ class HuntSession:
         self._last: TeamSnapshot | None = None
         self._open = ExitStack()
         self._closed = False
-        self._team = build_team(setting, is_shown=record is not None)
+        self._team = build_team(setting)
         programs = build_programs(setting, tuple(self._programs.values()), team=self._team)
         recording = NOT_RECORDED
         if record is not None:
@@ -251,13 +250,12 @@ class HuntSession:
         assert snapshot is not None  # noqa: S101  # the robots are in this session
         self._last = snapshot
         self._finished = self._ending.reached(self._session)
-        for robot, output in enumerate(snapshot.robots):
-            # Extrapolated output has no scan and no result. They would be computed when read.
-            if not isinstance(output, PropagatedOutput):
-                if (scan := output.observations.scan) is not None:
-                    self._scans[robot] = scan.ranges
-                if (result := output.navigation.result) is not None:
-                    self.events.append(HuntEvent(self.seconds, "goal", number_of(robot), text=_end_of_goal(result)))
+        # All other outputs have neither a scan nor a result.
+        for robot, output in snapshot.renewed.items():
+            if (scan := output.observations.scan) is not None:
+                self._scans[robot] = scan.ranges
+            if (result := output.navigation.result) is not None:
+                self.events.append(HuntEvent(self.seconds, "goal", number_of(robot), text=_end_of_goal(result)))
         if record.events or record.team or record.utterances or record.refusals:
             self.events += _events_in(record, self.seconds)
 

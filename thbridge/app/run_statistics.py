@@ -7,7 +7,6 @@ from sim.common.observations import TICK
 from sim.common.robot_numbers import number_of
 from sim.numerics import elementary
 from sim.numerics.elementary import wrap_angle
-from sim.robot.software import PropagatedOutput
 from sim.team import TeamSnapshot
 
 
@@ -65,13 +64,15 @@ class RunStatistics:
         while len(self._robots) < len(snapshot.robots):
             self._robots.append(_Sums())
         speeds = truth.twists[:, 0].tolist()
-        for index, (sums, robot, speed) in enumerate(zip(self._robots, snapshot.robots, speeds, strict=True)):
+        renewed = snapshot.renewed
+        for index, (sums, speed) in enumerate(zip(self._robots, speeds, strict=True)):
             if index in snapshot.dead:
                 continue
             # The distance follows from the speed, because a change of position can also be a move by hand.
             sums.distance += abs(speed) * TICK
-            if isinstance(robot, PropagatedOutput):
-                # It has no scan, and the robot waits or is lost as at its last step.
+            robot = renewed.get(index)
+            if robot is None:
+                # The robot has no scan, and waits or is lost as at its last step.
                 sums.ticks_waiting += sums.waits
                 sums.ticks_lost += sums.is_lost
                 continue

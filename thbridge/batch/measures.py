@@ -9,7 +9,6 @@ import numpy as np
 
 from sim.numerics import elementary
 from sim.robot.navigator.goals import GoalReached, NoPath
-from sim.robot.software import PropagatedOutput
 from sim.team import TeamSnapshot
 from thbridge.app.play import HuntOutcome
 from thbridge.app.run_statistics import RobotStatistics
@@ -109,11 +108,9 @@ class GameObserver:
             self._see(record.snapshot)
 
     def _see(self, snapshot: TeamSnapshot) -> None:
-        for robot, output in enumerate(snapshot.robots):
+        # All other outputs have neither a result nor a scan.
+        for robot, output in snapshot.renewed.items():
             if robot in snapshot.dead:
-                continue
-            # Propagated outputs have neither a result nor a scan, and computing their observations takes time.
-            if isinstance(output, PropagatedOutput):
                 continue
             result = output.navigation.result
             if isinstance(result, GoalReached):

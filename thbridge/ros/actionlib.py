@@ -194,6 +194,13 @@ class MoveBaseServer:
         outgoing, self._outgoing = self._outgoing, []
         return outgoing
 
+    def pass_to(self, tick: int) -> None:
+        """Record a tick in which the navigator did nothing. Nothing is published; old goals leave the list."""
+        if tick % STATUS_PERIOD == 0 and not self._dead:
+            self._now = stamp_ns(tick)
+            self._publish_status()
+            self._outgoing.clear()
+
     # Requests of clients
 
     def _receive_goal(self, goal: GoalId, target: Goal | None, refusal: str) -> None:

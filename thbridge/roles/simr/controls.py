@@ -98,9 +98,14 @@ class RobotControls:
     def follow(self, snapshot: TeamSnapshot) -> None:
         """Update action servers and researchers after a step of the team."""
         self._follow_researchers(snapshot)
-        for robot, (server, output) in enumerate(zip(self._servers, snapshot.robots, strict=True)):
-            navigation = None if robot in snapshot.dead else output.navigation
-            server.follow(snapshot.tick, navigation)
+        renewed = snapshot.renewed
+        for robot, server in enumerate(self._servers):
+            if robot in snapshot.dead:
+                server.follow(snapshot.tick, None)
+            elif robot in renewed:
+                server.follow(snapshot.tick, renewed[robot].navigation)
+            else:
+                server.pass_to(snapshot.tick)
 
     def _follow_researchers(self, snapshot: TeamSnapshot) -> None:
         if not self._by_hand and not self._goals:

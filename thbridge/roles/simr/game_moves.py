@@ -47,12 +47,14 @@ class _Move:
     Attributes:
         order: the keeper's order.
         goal: goal of the robot.
+        has_goal: True if the robot's navigator had this goal after its last step.
         length: length of the longest plan, meters; 0 before the first plan.
         remaining: remaining length of the path, meters.
     """
 
     order: MoveOrder
     goal: Goal
+    has_goal: bool = False
     length: float = 0.0
     remaining: float = 0.0
 
@@ -124,13 +126,16 @@ class MovesInProgress:
         """
         lines: list[TextMessage] = []
         lost: list[SendGoal] = []
-        for robot, output in enumerate(snapshot.robots):
-            move = self._moves.get(robot)
-            if move is None:
-                continue
+        renewed = snapshot.renewed
+        for robot in sorted(self._moves):
+            move = self._moves[robot]
+            if move.has_goal and robot not in renewed and robot not in silent:
+                continue  # The robot drives on.
+            output = snapshot.robots[robot]
             navigation, goal = output.navigation, move.goal
             # Most often, they are the same object, and comparing poses takes time.
-            if (navigation.goal is goal or navigation.goal == goal) and navigation.state == "controlling":
+            move.has_goal = navigation.goal is goal or navigation.goal == goal
+            if move.has_goal and navigation.state == "controlling":
                 move.remaining = navigation.remaining
                 move.length = max(move.length, move.remaining)
             result = navigation.result

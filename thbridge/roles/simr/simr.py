@@ -103,6 +103,7 @@ class SimR(RobotsRole):
         self._moves = MovesInProgress(game_map.goals, robots.size)
         self._prices = MovePrices(game_map.travel, robots.size)
         self._conditions = (Condition.WELL,) * robots.size
+        self._lost = [False] * robots.size
         self._researchers: tuple[str | None, ...] = (None,) * robots.size
         # The keeper's last orders, or None before the first orders.
         self._orders: Orders | None = None
@@ -145,9 +146,11 @@ class SimR(RobotsRole):
         before = self._conditions, self._researchers, tuple(self._moves.results)
         silent = self._silent(self.snapshot)
         outgoing += self._follow_moves(self.snapshot, silent)
+        for robot, output in self.snapshot.renewed.items():
+            self._lost[robot] = output.lost
         self._conditions = tuple(
-            Condition.SILENT if robot in silent else Condition.LOST if output.lost else Condition.WELL
-            for robot, output in enumerate(self.snapshot.robots)
+            Condition.SILENT if robot in silent else Condition.LOST if lost else Condition.WELL
+            for robot, lost in enumerate(self._lost)
         )
         self._researchers = self._controls.researchers
         changed = before != (self._conditions, self._researchers, tuple(self._moves.results))
@@ -296,7 +299,9 @@ class SimR(RobotsRole):
     def _silent(self, snapshot: TeamSnapshot) -> set[int]:
         """Return the robots whose last observations are older than the timeout."""
         due = snapshot.tick - self._response_timeout
-        return {robot for robot, output in enumerate(snapshot.robots) if output.tick <= due}
+        # Simulated robots that live have observations in each tick.
+        robots = range(self._team.size) if snapshot.world is None else snapshot.dead
+        return {robot for robot in robots if snapshot.robots[robot].tick <= due}
 
     def _status(self, snapshot: TeamSnapshot) -> TeamStatus:
         if snapshot.world is None:
