@@ -1,7 +1,7 @@
 """Simulation of one game of a sweep, without sockets and clocks. `thbridge play` with the same study and seed plays the
 same game."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from thbridge.app.compose.game import build_participants
 from thbridge.app.compose.recording import build_record, build_recorder, message_filter
@@ -62,6 +62,16 @@ class RecordedDigest:
     def __init__(self, recording: RecordingSection) -> None:
         self._keep = message_filter(recording.detail, errors=recording.errors)
         self._digest = MessageDigest()
+        self._fetch: Callable[[], None] | None = None
+
+    def fetch_with(self, fetch: Callable[[], None]) -> None:
+        """See `PatientListener`."""
+        self._fetch = fetch
+
+    @property
+    def is_due(self) -> bool:
+        """See `PatientListener`."""
+        return False
 
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
         """See `Listener`."""
@@ -69,5 +79,7 @@ class RecordedDigest:
             self._digest.add(message.topic.name, message.topic.msgtype, message.stamp_ns, message.data)
 
     def hexdigest(self) -> str:
-        """Return the digest of all messages that were received."""
+        """Return the digest of all messages so far."""
+        if self._fetch is not None:
+            self._fetch()
         return self._digest.hexdigest()

@@ -78,7 +78,7 @@ class RobotPublisher:
         names: its namespace and frames.
         topics: all topics that it publishes.
         odom_in_map: pose of its frame odom, according to its last estimate. None before the first estimate.
-        map_to_odom: packed transform of `odom_in_map` without its head. Both must be set together.
+        map_to_odom: packed transform of `odom_in_map` without its head.
         map_to_base: packed frames of its true pose.
         odom_to_base: packed frames of its odometry.
         transform_bytes: length of head, frames and pose in an odometry message. These parts are its transform.
@@ -103,6 +103,11 @@ class RobotPublisher:
         self._command_tick = 0
         self._plan: FloatArray = np.empty((0, 3))
         self._local_plan: FloatArray = self._plan
+
+    def correct(self, odom_in_map: Pose2) -> None:
+        """Set `odom_in_map` and `map_to_odom`."""
+        self.odom_in_map = odom_in_map
+        self.map_to_odom = pack.frame_names(MAP_FRAME, self.names.odom) + pack.compiled_pose(odom_in_map)
 
     def received(self, stamp_ns: int, tick: int, request: ActionRequest) -> Iterator[RosMessage]:
         """Yield the message of a client's request. Yield nothing if no message can contain the request."""

@@ -89,7 +89,7 @@ def test_odometry(tick: int, frame: str, child: str, pose: Pose2, linear: float,
 @given(st.lists(st.tuples(POSES, REALS, REALS), min_size=1, max_size=4), st.floats(0.0, 1e6))
 def test_odometry_of_many_robots_is_that_of_each(robots: list[tuple[Pose2, float, float]], unmeasured: float) -> None:
     covariance = pack.covariance(np.diag([1.0, 2.0, 3.0]), unmeasured)
-    rows = pack.OdometryRows(len(robots), covariance)
+    rows = pack.OdometryRows(covariance)
     poses, twists = np.array([pose.array() for pose, _, _ in robots]), np.array([twist for _, *twist in robots])
     rows.packed(poses[::-1] + 1.0, twists[::-1] + 1.0)  # nothing of it stays
     for row, (pose, linear, angular) in zip(rows.packed(poses, twists), robots, strict=True):

@@ -2,6 +2,7 @@
 
 import logging
 import time
+from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,6 +27,10 @@ SYNC_SECONDS = 0.5
 """Wall time after which all messages so far are forced onto the disk, in seconds. At most one second may be lost; half
 of this second is reserved for delays of a busy machine."""
 
+HOLD_SECONDS = 0.1
+"""Wall time after which held messages must be written, in seconds. A power failure while a complete chunk overwrites
+its preview can cost the chunk and all held messages, together less than a second."""
+
 WHOLE = SplitLimits()
 _log = logging.getLogger(__name__)
 
@@ -49,6 +54,10 @@ class ForeignTopic:
     definition: str
     caller: str
     latched: bool
+
+
+def _nothing() -> None:
+    """Do nothing."""
 
 
 class BagWriter:
@@ -100,7 +109,18 @@ class BagWriter:
         self._period = 0
         self._open = True
         self._disk = BagDisk(path, compression, splitting, make_queue, self._form)
-        self._synced = clock()
+        self._synced = self._taken = clock()
+        self._fetch: Callable[[], None] = _nothing
+
+    def fetch_with(self, fetch: Callable[[], None]) -> None:
+        """Call `fetch` before the bag is completed. The function gives the messages that it still has to this bag."""
+        self._fetch = fetch
+
+    @property
+    def is_due(self) -> bool:
+        """True if all messages so far must be written now, so that a crash loses at most a second."""
+        now = self._clock()
+        return now - self._taken >= HOLD_SECONDS or now - self._synced >= SYNC_SECONDS
 
     def write(self, message: RosMessage) -> None:
         """Write one message, unless it is filtered out; a topic's connection is made with its first message.
@@ -129,16 +149,19 @@ class BagWriter:
         self._add(source, stamp_ns, data)
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
-        """Write the messages of a tick, and sync if that is due. Raise the same errors as `write`."""
+        """Write the messages up to a tick, and sync if that is due. Raise the same errors as `write`."""
         kept = self._keep(messages)
         if kept:
             topics, stamps, data, _ = zip(*kept, strict=True)
-            if stamps.count(stamps[0]) == len(stamps):
-                self._add_all(topics, stamps[0], data)
-            else:
-                for topic, stamp_ns, one, _ in kept:
-                    self._add(topic, stamp_ns, one)
+            begin, count = 0, len(stamps)
+            while begin < count:
+                stamp_ns = stamps[begin]
+                # Stamps are in order, so the messages with an equal stamp follow one after the other.
+                end = bisect_right(stamps, stamp_ns, begin)
+                self._add_all(topics[begin:end], stamp_ns, data[begin:end])
+                begin = end
         self.sync_if_due()
+        self._taken = self._clock()
 
     def sync_if_due(self) -> None:
         """Force everything onto the disk if `SYNC_SECONDS` have passed. Call this at much shorter intervals.
@@ -174,6 +197,14 @@ class BagWriter:
         Raises:
             BagNotWritten: the disk is full, unavailable or too slow.
         """
+        if not self._open:
+            return
+        try:
+            self._fetch()
+        finally:
+            self._complete()
+
+    def _complete(self) -> None:
         if not self._open:
             return
         self._give_chunk()
@@ -273,7 +304,7 @@ class BagWriter:
         """Raise BagNotWritten when the disk failed or is too slow."""
         self._check_failures()
         if (behind := self._disk.behind) > BEHIND_SECONDS:
-            self.close()
+            self._complete()
             problem = f"the disk is too slow: it was {behind:.0f} s behind"
             remedy = "the file has everything up to now; record onto a faster disk"
             raise BagNotWritten(self._disk.last, problem, remedy)

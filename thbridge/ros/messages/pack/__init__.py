@@ -17,8 +17,8 @@ from thbridge.ros.messages.pack.actions import (
 )
 from thbridge.ros.messages.pack.fields import (
     POSE_BYTES,
-    all_pose_fields,
     boolean,
+    compiled_pose,
     float64,
     frame_names,
     head,

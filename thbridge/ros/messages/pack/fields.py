@@ -6,6 +6,7 @@ from types import ModuleType
 
 import numpy as np
 
+from sim.common.geometry import Pose2
 from sim.numerics import elementary
 from sim.numerics.float_array import FloatArray
 from thbridge.ros.messages.stamps import stamp_ns
@@ -67,6 +68,14 @@ def pose_fields(x: float, y: float, theta: float) -> bytes:
     """Encode geometry_msgs/Pose."""
     w, z = elementary.cos_sin(theta / 2)
     return _POSE.pack(x, y, 0.0, 0.0, 0.0, z, w)
+
+
+def compiled_pose(pose: Pose2) -> bytes:
+    """Return `pose_fields` of a pose. Compiled code computes it: faster, but the first call imports the compiler."""
+    row = np.zeros((1, 7))
+    row[0, 0], row[0, 1], row[0, 6] = pose.x, pose.y, pose.theta
+    _kernels().turn_headings(row)
+    return row.tobytes()
 
 
 def pose_rows(poses: FloatArray) -> FloatArray:

@@ -80,23 +80,25 @@ def odometry(
 
 
 class OdometryRows:
-    """Encoder of nav_msgs/Odometry for many robots together.
+    """Encoder of nav_msgs/Odometry for many robots and ticks together.
 
     It does not encode header and child frame, which are the first fields.
 
     Args:
-        robots: number of robots.
         covariance: covariance of poses and twists, from the function `covariance`.
     """
 
-    def __init__(self, robots: int, covariance: bytes) -> None:
-        # Numbers of a row: 7 for the pose, 36 for its covariance, 6 for the twist, 36 for its covariance.
-        self._rows = np.zeros((robots, 85))
-        self._rows[:, 7:43] = self._rows[:, 49:] = np.frombuffer(covariance)
+    def __init__(self, covariance: bytes) -> None:
+        self._covariance = np.frombuffer(covariance)
+        self._kept = np.empty((0, 85))
 
     def packed(self, poses: FloatArray, twists: FloatArray) -> list[bytes]:
         """Return the bytes for each of (n, 3) poses and (n, 2) twists: m/s forward, rad/s counterclockwise."""
-        rows = self._rows
+        if len(poses) > len(self._kept):
+            # Numbers of a row: 7 for the pose, 36 for its covariance, 6 for the twist, 36 for its covariance.
+            self._kept = np.zeros((len(poses), 85))
+            self._kept[:, 7:43] = self._kept[:, 49:] = self._covariance
+        rows = self._kept[: len(poses)]
         fill_poses(rows, poses)
         rows[:, 43] = twists[:, 0]
         rows[:, 48] = twists[:, 1]
