@@ -1,10 +1,14 @@
 """Messages of several ticks that are made together are those of the single ticks, and none is lost."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from sim.common.geometry import Pose2
+from sim.robot.costmap.view import CostmapView, ShownCostmap
 from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from tests.support.bags.inline_queue import InlineQueue
 from thbridge.app.session.broadcast import HELD_TICKS, Broadcast
@@ -92,3 +96,24 @@ def test_a_bag_lets_no_tick_wait_long(tmp_path: Path) -> None:
         assert not writer.is_due
         now = 1.1 * HOLD_SECONDS
         assert writer.is_due
+
+
+def test_costmaps_are_read_before_they_change() -> None:
+    patient, read = Patient(), 0
+    recorder = broadcast(patient)
+    (snapshot, *_) = snapshots(ROBOTS, 1)
+    costs = np.zeros((2, 3), dtype=np.uint8)
+
+    def compute() -> CostmapView:
+        nonlocal read
+        read += 1
+        return CostmapView(snapshot.tick, Pose2(0.0, 0.0, 0.0), 0.05, costs)
+
+    shown = ShownCostmap(compute)
+    first, *others = snapshot.robots
+    robot = replace(first, navigation=replace(first.navigation, local_costmap=shown))
+    recorder.record(replace(snapshot, robots=(robot, *others)))
+    shown.expire()  # as in the robot's next step
+    patient.fetch()
+    assert read == 1
+    assert "/robot1/move_base/local_costmap/costmap" in {message.topic.name for message in patient.messages}
