@@ -147,6 +147,7 @@ class Navigator:
             return
         self._parameters = parameters
         self._costmaps.configure(parameters)
+        self._planning.forget_free_path()
         if parameters.global_costmap != before.global_costmap or _plans_by(parameters) != _plans_by(before):
             self._itinerary_planner.configure(
                 parameters.global_costmap.inflation_layer, self._planner(parameters, self._space)
@@ -266,6 +267,7 @@ class Navigator:
         discs = _discs(neighbours, pose.compose(scan.mount.laser_in_base), self._costmaps.explained_range)
         self._seen = seen = CostmapObservation(pose, scan, discs, self._seen)
         self._costmaps.global_costmap.observe(seen)
+        self._planning.forget_free_path()
         self._controller.keep_scan(seen)
 
     def next_due(self, tick: int, neighbours: Sequence[Neighbour]) -> int:
@@ -289,12 +291,15 @@ class Navigator:
         ):
             return tick + 1
         due = [self._costmaps.next_due(tick)]
+        before_plan = max(tick, execution.next_plan - 1)
         if isinstance(state, Controlling):
             due.append(self._controller.next_command(tick))
+            if self._planning.drives_on(state, tick + TICKS_PER_SECOND):
+                before_plan = max(before_plan, tick + TICKS_PER_SECOND)
         # A resting robot plans only if another robot asks it to clear a path.
         rests = isinstance(state, Idle) and state.wanted is None
         if not rests or any(map(_CLAIM, neighbours)):
-            due.append(next_turn(max(tick, execution.next_plan - 1), self._robot, self._team))
+            due.append(next_turn(before_plan, self._robot, self._team))
         return min((one for one in due if one is not None), default=tick + TICKS_PER_SECOND)
 
     def skip(self, tick: int) -> None:

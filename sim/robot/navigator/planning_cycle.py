@@ -61,6 +61,8 @@ class PlanningCycle:
         self._clearing = clearing
         self._rotated = rotated
         self._robot = robot
+        # The follower whose path was last found to be free of obstacles seen by the laser.
+        self._free: Follower | None = None
         # True if the robot keeps its present itinerary when the present search finds no other itinerary.
         self._keeps = False
 
@@ -94,6 +96,30 @@ class PlanningCycle:
                 self._give_way(tick, pose, asking, neighbours)
             elif isinstance(self._execution.state, Idle) and self._execution.state.wanted is not None:
                 self._execution.enter("no longer asked", Idle())
+
+    def forget_free_path(self) -> None:
+        """Record a new scan, so that the path may no longer be free."""
+        self._free = None
+
+    def drives_on(self, state: Controlling, tick: int) -> bool:
+        """Return True if a robot needs no plan until and including a tick, unless a scan or a command comes before."""
+        execution, follower = self._execution, state.follower
+        progress = execution.progress
+        # All these conditions become true with time, and never false again without a scan or a command.
+        if (
+            (execution.goal is not None and progress.timed_out(tick))
+            or self._planner.searching
+            or progress.stays
+            or execution.oscillation.due(tick)
+            or self._out_of_control(tick)
+            or follower.held_up(tick)
+            or (not state.gives_way and self._replans(tick))
+        ):
+            return False
+        # The rest of a free path is also free.
+        if self._free is not follower:
+            self._free = None if follower.obstructed() else follower
+        return self._free is follower
 
     def _out_of_control(self, tick: int) -> bool:
         patience = self._execution.move_base.controller_patience
