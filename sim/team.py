@@ -9,7 +9,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import overload
+from typing import Self, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,6 +97,14 @@ class TeamSnapshot:
         """Outputs of this tick by robot, in the team's order, without propagated and repeated outputs."""
         outputs = self.robots
         return outputs.renewed if isinstance(outputs, TeamOutputs) else dict(enumerate(outputs))
+
+    def read_costmaps(self) -> Self:
+        """Read all costmaps of this tick, so that they can still be read after the next step. Return this snapshot."""
+        for output in self.renewed.values():
+            for shown in (output.navigation.global_costmap, output.navigation.local_costmap):
+                if shown is not None:
+                    shown.read()
+        return self
 
 
 START_COVARIANCE: FloatArray = np.diag([0.05 * 0.05, 0.05 * 0.05, 0.05 * 0.05])

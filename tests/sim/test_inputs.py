@@ -45,9 +45,9 @@ def team_of(robots=1, parameters=STUDY, world=MOTORS):
 
 
 def run(team, seconds, *inputs):
-    snapshots = [team.step(inputs)]
+    snapshots = [team.step(inputs).read_costmaps()]
     while len(snapshots) < seconds * SECOND:
-        snapshots.append(team.step())
+        snapshots.append(team.step().read_costmaps())
     return snapshots
 
 
@@ -107,7 +107,7 @@ def test_cleared_costmaps_forget_what_is_seen_no_more():
         navigation = [s.robots[0].navigation for s in snapshots if s.robots[0].navigation.local_costmap][-1]
         place = beside(start, 0.9).base_in_map
         cells = []
-        for view in (navigation.global_costmap, navigation.local_costmap):
+        for view in (navigation.global_costmap.read(), navigation.local_costmap.read()):
             col = int((place.x - view.origin.x) / view.resolution)
             row = int((place.y - view.origin.y) / view.resolution)
             cells.append(bool((view.costs[row - 4 : row + 5, col - 4 : col + 5] == LETHAL).any()))
@@ -228,7 +228,7 @@ def test_what_is_shown_is_the_map_of_the_walls_and_what_stands_before_the_robot(
     start = ARENA.starts[0]
     snapshots = run(team_of(parameters=SHOWN_OFTEN), 2, PutThing(beside(start, 0.9)))
     shown = [s.robots[0].navigation for s in snapshots if s.robots[0].navigation.global_costmap][-1]
-    whole, around = shown.global_costmap, shown.local_costmap
+    whole, around = shown.global_costmap.read(), shown.local_costmap.read()
     assert whole.costs.shape == ARENA.grid.cells.shape
     assert np.all(whole.costs[ARENA.grid.cells == 100] == LETHAL)
     assert around.costs.shape == (80, 80)
@@ -252,7 +252,7 @@ def test_on_a_map_whose_origin_is_turned_costmaps_lie_as_the_map_does():
     start, goal = (turned.compose(pose) for pose in (ARENA.starts[0], ARENA.rooms[3].goal))
     team = Team(grid, MOTORS, [SHOWN_OFTEN], [start], 1, 1e9)
     shown = [s.robots[0].navigation for s in run(team, 1) if s.robots[0].navigation.local_costmap][-1]
-    whole, around = shown.global_costmap, shown.local_costmap
+    whole, around = shown.global_costmap.read(), shown.local_costmap.read()
     assert whole.origin == grid.origin
     assert np.array_equal(whole.costs == LETHAL, grid.cells == 100)
     assert around.origin.theta == grid.origin.theta

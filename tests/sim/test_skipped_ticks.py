@@ -45,7 +45,7 @@ def parts(value: object) -> Iterator[object]:
     if isinstance(value, np.ndarray):
         yield value.shape, value.dtype.str, value.tobytes()
     elif isinstance(value, ShownCostmap):
-        yield from parts(value.view)
+        yield from parts(value.read())
     elif is_dataclass(value):
         for field in fields(value):
             yield field.name

@@ -229,9 +229,9 @@ class RobotPublisher:
             yield topics.local_plan, pack.path(tick, MAP_FRAME, local_plan)
         self._local_plan = local_plan
         if navigation.global_costmap is not None:
-            yield topics.global_costmap, pack.costmap(MAP_FRAME, navigation.global_costmap.view)
+            yield topics.global_costmap, pack.costmap(MAP_FRAME, navigation.global_costmap.read())
         if navigation.local_costmap is not None:
-            yield topics.local_costmap, pack.costmap(MAP_FRAME, navigation.local_costmap.view)
+            yield topics.local_costmap, pack.costmap(MAP_FRAME, navigation.local_costmap.read())
 
     def _footprints(self, tick: int, robot: Neighbour) -> Iterator[tuple[Topic, bytes]]:
         if not len(robot.footprint):

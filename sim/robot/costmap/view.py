@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -40,13 +39,19 @@ class ShownCostmap:
 
     def __init__(self, compute: Callable[[], CostmapView]) -> None:
         self._compute: Callable[[], CostmapView] | None = compute
+        self._view: CostmapView | None = None
 
-    @cached_property
-    def view(self) -> CostmapView:
-        """The costmap. It must be read for the first time before the robot's next step."""
-        if self._compute is None:
-            raise RuntimeError("the costmap has changed. Read it before the robot's next step.")
-        return self._compute()
+    def read(self) -> CostmapView:
+        """Return the costmap. It must be read for the first time before the robot's next step.
+
+        Raises:
+            RuntimeError: the costmap has changed, and it was not read before.
+        """
+        if self._view is None:
+            if self._compute is None:
+                raise RuntimeError("the costmap has changed. Read it before the robot's next step.")
+            self._view = self._compute()
+        return self._view
 
     def expire(self) -> None:
         """Record that the costmap changes now. If it has not been read, it can no longer be read."""

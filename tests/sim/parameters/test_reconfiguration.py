@@ -41,9 +41,9 @@ def team_of(parameters=STUDY):
 
 
 def run(team, seconds, *inputs):
-    snapshots = [team.step(inputs)]
+    snapshots = [team.step(inputs).read_costmaps()]
     while len(snapshots) < seconds * SECOND:
-        snapshots.append(team.step())
+        snapshots.append(team.step().read_costmaps())
     return snapshots
 
 
@@ -63,7 +63,7 @@ def trace(snapshots):
 
 def last_views(snapshots):
     navigation = [s.robots[0].navigation for s in snapshots if s.robots[0].navigation.local_costmap][-1]
-    return navigation.global_costmap, navigation.local_costmap
+    return navigation.global_costmap.read(), navigation.local_costmap.read()
 
 
 # Which values are taken

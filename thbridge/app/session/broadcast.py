@@ -66,11 +66,7 @@ class Broadcast:
 
         A snapshot and its records must not change afterwards.
         """
-        for output in snapshot.renewed.values():
-            for shown in (output.navigation.global_costmap, output.navigation.local_costmap):
-                if shown is not None:
-                    _ = shown.view  # Costmaps can be read only until the next tick.
-        self._held.append((snapshot, tuple(records)))
+        self._held.append((snapshot.read_costmaps(), tuple(records)))
         if len(self._held) >= self._most or any(listener.is_due for listener in self._patient):
             self.flush()
 

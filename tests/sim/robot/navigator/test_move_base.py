@@ -528,7 +528,7 @@ def test_costmaps_that_are_shut_down_take_no_notice_of_obstacles_without_a_goal(
 
     def seen():
         rig.step()
-        return bool((rig.said[0].global_costmap.view.costs[ARENA.cells == 0] == LETHAL).any())
+        return bool((rig.said[0].global_costmap.read().costs[ARENA.cells == 0] == LETHAL).any())
 
     assert seen() is not shut_down
     rig.go(0, 0, 6)
