@@ -7,6 +7,7 @@ import pickle
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext, suppress
+from functools import cache as once
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -87,7 +88,7 @@ def folder_of(source: Path) -> Path:
 def file_of(kernel: object, signature: tuple[types.Type, ...]) -> Path:
     """Return the file of a kernel's code for a signature. If the file exists, the code need not be compiled."""
     # A kernel is a dispatcher of numba.
-    return kernel._cache.file(signature, kernel.targetctx)  # type: ignore[attr-defined,no-any-return]
+    return kernel._cache.file(signature)  # type: ignore[attr-defined,no-any-return]
 
 
 def wait_for_others(compiled: Mapping[Path, Callable[[], object]]) -> None:
@@ -132,7 +133,7 @@ class _CompiledCode:
 
     def load_overload(self, signature: object, target: "BaseContext") -> CompileResult | None:
         """Return the stored code for a signature and this processor. If there is none, return None."""
-        content = read(self.file(signature, target))
+        content = read(self.file(signature))
         if content is None:
             return None
         # This initializes all that compiled code needs. numba's own cache also loads all that compiling needs,
@@ -147,7 +148,7 @@ class _CompiledCode:
     def save_overload(self, signature: object, compiled: CompileResult) -> None:
         """Store the code for a signature. If this fails, it is compiled again next time."""
         with suppress(OSError):
-            write(self.file(signature, compiled.target_context), dumps((signature, *_parts_of(compiled))))
+            write(self.file(signature), dumps((signature, *_parts_of(compiled))))
 
     @contextmanager
     def claimed(self, signature: object) -> Iterator[None]:
@@ -158,7 +159,7 @@ class _CompiledCode:
         """
         with ExitStack() as claim:
             with suppress(OSError):
-                kept = self.file(signature, cpu_target.target_context)
+                kept = self.file(signature)
                 if kept in _OTHERS:
                     _OTHERS[kept]()
                 if not kept.exists():
@@ -168,10 +169,16 @@ class _CompiledCode:
                     claim.callback(Path(file.name).unlink, missing_ok=True)
             yield
 
-    def file(self, signature: object, target: "BaseContext") -> Path:
+    def file(self, signature: object) -> Path:
         """Return the file of a signature's code for this processor, existing or not."""
-        which = f"{signature} {target.codegen().magic_tuple()}"
+        which = f"{signature} {_processor()}"
         return self._folder / f"{self._name}-{hashlib.blake2b(which.encode(), digest_size=8).hexdigest()}"
+
+
+@once
+def _processor() -> str:
+    """Return the name and features of this processor, for which code is compiled."""
+    return str(cpu_target.target_context.codegen().magic_tuple())
 
 
 class _StoredLibrary(JITCodeLibrary):  # type: ignore[misc]  # numba has no types
