@@ -1,9 +1,10 @@
 """Traversability: places on a map where a robot fits, and places that it reaches from there. Rooms as polygons."""
 
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -151,10 +152,14 @@ class CrowdedFloor:
 def _areas(passable: Mask) -> NDArray[np.int32]:
     """Label connected cells with the number of their area, from 1, and cells that are not passable with 0."""
     # A robot drives only to a cell's four neighbors, because diagonally it could pass between two walls that meet at a
-    # corner. Imported here, because a list of studies is read without the compiler.
-    from sim.common.grid_transforms import connected_areas  # noqa: PLC0415
+    # corner. The choice is that of `nearest_cells`.
+    if "sim.common.grid_transforms" in sys.modules:
+        from sim.common.grid_transforms import connected_areas  # noqa: PLC0415
 
-    return connected_areas(passable)
+        return connected_areas(passable)
+    from scipy.ndimage import label  # noqa: PLC0415
+
+    return cast(tuple[NDArray[np.int32], int], label(passable))[0]
 
 
 def _at(labels: NDArray[np.int32], box: Box, cell: tuple[int, int]) -> int:

@@ -31,8 +31,9 @@ from sim.inputs import (
 from sim.world.thing import Thing
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer
-from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
+from thbridge.app.compose.vehicles import vehicle_factory
 from thbridge.app.play import PLAY
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder

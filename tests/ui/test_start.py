@@ -67,6 +67,8 @@ def test_a_game_without_a_report_loads_nothing_of_analysis_and_of_other_filters(
     people = "ui.model.playing", "ui.hosting.terminal"
     assert not {name for name in modules if name.startswith(("thbridge.analysis", "matplotlib", "PySide6"))}
     assert not {name for name in modules if name.startswith(people)}
+    unused = "pymavlink", "thbridge.mavlink.vehicle", "thbridge.app.live_graph.live", "ruamel", "scipy.ndimage"
+    assert not {name for name in modules if name.startswith(unused)}
     assert not {name for name in modules if name.startswith(("filterpy", "scipy.stats", "sim.robot.localization.ekf"))}
 
 

@@ -14,9 +14,7 @@ from sim.team import Team
 from thbridge.app.compose.recording import begin_recording, build_team_description
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.live_graph.client_messages import ClientRequests
-from thbridge.app.live_graph.live import LiveGraph, on_graph
 from thbridge.app.session.broadcast import Listener
-from thbridge.app.session.watch_requests import WatchRequestHandler
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.roles.shared.robot_requests import Request
@@ -28,7 +26,6 @@ from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen, CannotReach
 from thbridge.sockets.keys import KeyVerifier
 from thbridge.timing.pacer import Pacer
-from thbridge.watching.sockets.server import WatchServer
 
 StartServer: TypeAlias = Callable[[], Awaitable[ListeningAddress | CannotListen]]
 """Function that starts a server, and returns its address or the reason why it cannot listen."""
@@ -139,6 +136,9 @@ async def listeners(
     async with AsyncExitStack() as opened:
         requests = ClientRequests(ask)
         if options.graph is not None:
+            # The import is here because sessions without ROS do not need its protocols.
+            from thbridge.app.live_graph.live import LiveGraph, on_graph  # noqa: PLC0415
+
             live = LiveGraph(options.graph, build_team_description(setting, publisher), team, requests, receive_frame)
             await opened.enter_async_context(on_graph(live, options.graph, callbacks.joined))
             listening.append(live)
@@ -153,6 +153,9 @@ async def listeners(
             callbacks.joined_ros2(rivals)
             listening.append(live2)
         if options.watch is not None:
+            from thbridge.app.session.watch_requests import WatchRequestHandler  # noqa: PLC0415
+            from thbridge.watching.sockets.server import WatchServer  # noqa: PLC0415
+
             desk = WatchRequestHandler(ask, team, pacer, granted, has_game=has_game)
             server = WatchServer(desk, options.watch.keys, bag=options.bag, game=game_address)
             opened.push_async_callback(server.stop)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from thbridge.app.compose.recording import build_publisher, build_record, build_recorder
@@ -33,7 +33,6 @@ from thbridge.app.session.session import (
 from thbridge.app.trouble_log import TroubleLog
 from thbridge.hunt.game import GameState
 from thbridge.mavlink.files.tlog import TlogFile
-from thbridge.mavlink.sockets.server import MavlinkPorts, MavlinkServer
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.recording.bag.writing.writer import BagWriter
@@ -54,6 +53,9 @@ from thbridge.timing.keepalive import kept_alive
 from thbridge.timing.loop import LoopResult, run_ticks
 from thbridge.timing.pace_meter import PaceMeter
 from thbridge.timing.pacer import Pacer
+
+if TYPE_CHECKING:
+    from thbridge.mavlink.sockets.server import MavlinkPorts, MavlinkServer
 
 _log = logging.getLogger(__name__)
 
@@ -183,7 +185,7 @@ class PlayOptions:
     left: Callable[[], bool] | None = None
     watch: WatchAddress | None = None
     foxglove: int | None = None
-    mavlink: MavlinkPorts | None = None
+    mavlink: "MavlinkPorts | None" = None
     inputs: Path | None = None
     meter: PaceMeter | None = None
     keys: RingKeys | None = None
@@ -255,7 +257,7 @@ class _Hunt:
         setting: StudySetting,
         participants: Sequence[TabUI],
         options: PlayOptions,
-        links: tuple[MavlinkServer, list[str]] | None,
+        links: "tuple[MavlinkServer, list[str]] | None",
         ready: Callable[[ListeningAddress | CannotListen], None],
     ) -> None:
         self._setting, self._options, self._links, self._ready = setting, options, links, ready
@@ -524,14 +526,17 @@ async def _consent(desk: ConsentDesk, left: Callable[[], bool] | None, report: C
 
 
 async def _links(
-    ports: MavlinkPorts | None, opened: AsyncExitStack, callbacks: StartupCallbacks
-) -> tuple[MavlinkServer, list[str]] | None:
+    ports: "MavlinkPorts | None", opened: AsyncExitStack, callbacks: StartupCallbacks
+) -> "tuple[MavlinkServer, list[str]] | None":
     """Return the MAVLink server with open ports, and its addresses; None if there are no links.
 
     If a port cannot be opened, the callback receives the reason.
     """
     if ports is None:
         return None
+    # Imported here, because sessions without links do not need MAVLink.
+    from thbridge.mavlink.sockets.server import MavlinkServer  # noqa: PLC0415
+
     links = MavlinkServer(ports)
     opened.push_async_callback(links.close)
     names = await links.open()

@@ -5,11 +5,9 @@ import os
 from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
-from thbridge.mavlink.files.signing_key import read_signing_key
-from thbridge.mavlink.files.signing_timestamps import TimestampFile
-from thbridge.mavlink.sockets.server import MavlinkPorts
 from thbridge.ros2graph.values.address import CarrierKind, Ros2Address
 from thbridge.rosgraph.sockets.joining import GraphAddress, MasterPresence, is_master_uri
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, WATCH_PORT, ListeningAddress, parse_address
@@ -21,6 +19,9 @@ from ui.command_line.keys import watch_keys
 from ui.command_line.options import Ros2Options, RosOptions, WatchOptions
 from ui.command_line.ros2 import check_zenoh
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
+
+if TYPE_CHECKING:
+    from thbridge.mavlink.sockets.server import MavlinkPorts
 
 
 def graph_of(options: RosOptions, open_to: Sequence[str] = ()) -> GraphAddress | None:
@@ -76,6 +77,8 @@ def watch_of(
         if key is not None:
             fail(BAD_INPUT, f"--watch-key requires --watch PORT. Add --watch {WATCH_PORT}, or omit --watch-key.")
         return None
+    # Imported here, because sessions without links do not need MAVLink.
+
     beside = Path() if file is None else file.parent
     path = key or (None if section.key is None else beside / section.key)
     return WatchAddress(host, port, ring if path is None else watch_keys(path))
@@ -87,13 +90,18 @@ def check_foxglove(port: int | None) -> None:
         fail(BAD_INPUT, "--foxglove: foxglove-sdk is not installed. Run: pip install 'thbridge[foxglove]'")
 
 
-def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts | None:
+def ports_of(study: Study, file: Path | None, key: Path | None) -> "MavlinkPorts | None":
     """Return the links for ground stations; if None, MAVLink is off. If `key` is given, it replaces the study's key."""
     section = study.mavlink
     if not section.on:
         if key is not None:
             fail(BAD_INPUT, "--signing-key: MAVLink is off in this session. Add --mavlink, or omit --signing-key.")
         return None
+    # Imported here, because sessions without links do not need MAVLink.
+    from thbridge.mavlink.files.signing_key import read_signing_key  # noqa: PLC0415
+    from thbridge.mavlink.files.signing_timestamps import TimestampFile  # noqa: PLC0415
+    from thbridge.mavlink.sockets.server import MavlinkPorts  # noqa: PLC0415
+
     beside = Path() if file is None else file.parent
     path = key or (None if section.signing_key is None else beside / section.signing_key)
     with bad_input():

@@ -8,8 +8,9 @@ from sim.team import TeamSnapshot
 from tests.support.hunts.hunt_without_simulator import Log
 from tests.support.hunts.scripted_hunt import ScriptedPlayer
 from thbridge.app.compose.game import build_hider, build_keeper
-from thbridge.app.compose.robots import build_game_setup, build_simr
+from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import StudySetting, read_setting
+from thbridge.app.compose.vehicles import build_game_setup
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.mavlink.role.pilot import Pilot
 from thbridge.mavlink.role.speed_limit import SpeedLimit

@@ -1,6 +1,6 @@
-"""Builders of the robots: the simulated team, the role of the robots, and the MAVLink vehicles."""
+"""Builders of the robots: the simulated team, and the role of the robots."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,15 +10,9 @@ from sim.inputs import ScheduledInput, SendGoal
 from sim.robot.costmap.footprint import radii
 from sim.robot.navigator.goals import Goal
 from sim.team import Team
-from thbridge.app.compose.game import room_outlines, treasure_names
 from thbridge.app.compose.setting import StudySetting
-from thbridge.mavlink.role.parameters import VehicleParameters
-from thbridge.mavlink.role.pilot import GameSetup, Pilot
-from thbridge.mavlink.role.speed_limit import SpeedLimit
-from thbridge.mavlink.role.vehicles import RequestSink, Vehicles
 from thbridge.offline.plan import costmap
 from thbridge.roles.keeper.disclosed.disclosure import plain_costs
-from thbridge.roles.shared.role import Role
 from thbridge.roles.simr.game_moves import GameMap
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions
 from thbridge.roles.simr.simr import RESPONSE_TIMEOUT, SimR
@@ -94,38 +88,3 @@ def build_travel_times(setting: StudySetting) -> TravelTimes:
         place.starts[: study.robots],
         plain_costs(setting.costs),
     )
-
-
-def build_game_setup(setting: StudySetting) -> GameSetup:
-    """Return the facts that the robots' pilots know before the game begins."""
-    study = setting.study
-    software = [study.software(number_of(robot)) for robot in range(study.robots)]
-    planners = [each for one in software for each in (one.NavfnROS, one.GlobalPlanner)]
-    return GameSetup(
-        setting.floor(),
-        room_outlines(setting),
-        treasure_names(setting),
-        study.game.energy,
-        plans_end_apart=any(planner.default_tolerance > 0.0 for planner in planners),
-    )
-
-
-def vehicle_factory(setting: StudySetting, simr: Role) -> Callable[[RequestSink], Vehicles] | None:
-    """Return the factory of the robots' MAVLink vehicles, or None if there are no vehicles.
-
-    The argument of the factory receives the requests of the vehicles. Only the simulated robots of `SimR` can be
-    vehicles.
-    """
-    study = setting.study
-    if not study.mavlink.on or not isinstance(simr, SimR):
-        return None
-    setup = build_game_setup(setting)
-
-    def made(ask: RequestSink) -> Vehicles:
-        pilots = []
-        for robot, start in enumerate(setting.map.starts[: study.robots]):
-            speed_limit = SpeedLimit(robot, study.software(number_of(robot)), simr)
-            pilots.append(Pilot(robot, setup, start, speed_limit, VehicleParameters(robot, simr), ask))
-        return Vehicles(pilots, study.mavlink.options)
-
-    return made

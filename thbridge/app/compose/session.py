@@ -99,8 +99,8 @@ def open_session(
         keeper: keeper of a resumed game; None for a new game.
     """
     vehicles = None
-    if programs.robots is not None:
-        from thbridge.app.compose.robots import vehicle_factory  # noqa: PLC0415
+    if programs.robots is not None and setting.study.mavlink.on:
+        from thbridge.app.compose.vehicles import vehicle_factory  # noqa: PLC0415
 
         vehicles = vehicle_factory(setting, programs.robots)
     return Session(

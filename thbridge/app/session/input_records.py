@@ -11,7 +11,6 @@ from sim.inputs import SendGoal
 from thbridge.app.session import inputs
 from thbridge.credentials import LOCAL, Credentials
 from thbridge.json_text import json_of
-from thbridge.mavlink.wire.dialect import name_of
 from thbridge.roles.shared.robot_requests import PACE_REQUESTS, REQUESTS, PaceRequest, Request
 from thbridge.ros.messages.goal_owners import GoalOwner, owned_number, recorded_number
 from thbridge.ros.messages.records import GoalRequest, SimpleGoal
@@ -108,6 +107,9 @@ def _for_people(item: inputs.Input) -> tuple[str, str]:
         case inputs.HeartbeatsSent():
             return "", "the vehicles send heartbeats"
         case inputs.FrameReceived(_, sender, frame):
+            # Imported here, because sessions without vehicles do not need the definitions of all messages.
+            from thbridge.mavlink.wire.dialect import name_of  # noqa: PLC0415
+
             return _readable(sender), f"{name_of(frame.message_id)} of {frame.system}/{frame.component}"
 
 

@@ -1,6 +1,5 @@
 """Conversion of MAVLink frames and vehicle states into messages of mavros and back."""
 
-from thbridge.mavlink.wire.dialect import crc_extra
 from thbridge.mavlink.wire.frames.frame import V1, V2, Frame
 from thbridge.mavlink.wire.outgoing import VehicleStatus
 from thbridge.mavlink.wire.traffic import Traffic
@@ -46,6 +45,9 @@ def frame_in(message: MavlinkFrame) -> Frame:
     """
     if message.magic not in {V1, V2}:
         raise ValueError(f"the frame begins with {message.magic}, which is not a start byte of MAVLink")
+    # Imported here, because sessions without vehicles do not need the definitions of all messages.
+    from thbridge.mavlink.wire.dialect import crc_extra  # noqa: PLC0415
+
     seed = crc_extra(message.message_id)
     if seed is None:
         raise ValueError(f"the MAVLink message {message.message_id} is unknown")

@@ -11,8 +11,9 @@ from sim.team import TeamSnapshot
 from tests.support.ros.packed_messages import STORE, header, packed, pose
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_team_description, build_writer
-from thbridge.app.compose.robots import build_simr, build_team, vehicle_factory
+from thbridge.app.compose.robots import build_simr, build_team
 from thbridge.app.compose.setting import StudySetting
+from thbridge.app.compose.vehicles import vehicle_factory
 from thbridge.app.live_graph import live
 from thbridge.app.live_graph.client_messages import ClientRequests
 from thbridge.app.live_graph.live import LiveGraph

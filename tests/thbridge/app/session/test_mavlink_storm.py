@@ -11,8 +11,9 @@ import pytest
 from sim.common.observations import TICKS_PER_SECOND
 from tests.support.mavlink.hostile_frames import Foe
 from thbridge.app.compose.game import build_hider, build_keeper
-from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
+from thbridge.app.compose.vehicles import vehicle_factory
 from thbridge.app.session.session import Session
 from thbridge.mavlink.role.parameters import VehicleParameters
 from thbridge.mavlink.wire.dialect import mav

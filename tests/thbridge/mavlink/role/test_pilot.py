@@ -15,8 +15,8 @@ from sim.robot.navigator.goals import Goal
 from tests.support.hunts.scripted_hunt import ScriptedPlayer
 from tests.support.mavlink.piloted_hunt import STATION, Parameters, PilotedHunt, setting
 from thbridge.app.compose.game import build_briefing
-from thbridge.app.compose.robots import build_game_setup
 from thbridge.app.compose.setting import read_setting
+from thbridge.app.compose.vehicles import build_game_setup
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
     Commander,

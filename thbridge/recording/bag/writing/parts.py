@@ -6,7 +6,6 @@ from pathlib import Path
 from thbridge.files.disk.synced import sync_folder
 from thbridge.recording.bag.options import Compression, SplitLimits
 from thbridge.recording.bag.records import BagConnection
-from thbridge.recording.bag.rosbag2_metadata import write_metadata
 from thbridge.recording.bag.writing.bag_file import ChunkFile
 from thbridge.recording.bag.writing.chunks import Chunk, ChunkBuilder
 from thbridge.recording.bag.writing.formats import ROS1_BAG, BagFormat
@@ -150,6 +149,9 @@ class SplitBagWriter:
         self._open.remove(file)
         file.close()
         if is_folder(self._path) and not self._open:
+            # Imported here, because only this form of recordings needs a reader of MCAP and a writer of YAML.
+            from thbridge.recording.bag.rosbag2_metadata import write_metadata  # noqa: PLC0415
+
             write_metadata(self._path)
 
 
