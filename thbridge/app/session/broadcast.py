@@ -10,8 +10,7 @@ from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.publisher import RosMessage, TeamPublisher
 
 HELD_TICKS = 25
-"""Most ticks whose messages are made together. The messages of a recorded tick then need half the processor time: the
-code and data of the simulation stay in the processor's caches, and poses are packed together."""
+"""Most ticks whose messages are made together. The messages of a recorded tick then take a third less time."""
 
 HELD_OUTPUTS = 250
 """Most outputs of robots whose messages are made together. In real time, this delays a tick by a few milliseconds."""
