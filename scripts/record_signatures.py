@@ -20,7 +20,8 @@ from numba.core import event  # noqa: E402
 
 from sim.inputs import TeamInput  # noqa: E402
 from sim.numerics.signatures import RECORDED, as_line, is_kernel  # noqa: E402
-from sim.team import Team, TeamSnapshot  # noqa: E402
+from sim.snapshot import TeamSnapshot  # noqa: E402
+from sim.team import Team  # noqa: E402
 from ui.cli import main  # noqa: E402
 
 STUDY = "robots: 2\n"

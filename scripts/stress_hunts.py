@@ -31,7 +31,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from sim.numerics import noise
 from sim.robot.navigator.goals import GoalReached, NoPath
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import StudySetting, read_setting

@@ -5,19 +5,15 @@ robot estimates, plans and chooses a command. Robots receive broadcasts of other
 robots are stepped has no effect.
 """
 
-from bisect import bisect_left
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property, partial
-from typing import Self, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sim.common.frozen import frozen
+from sim.broadcasts import Broadcasts
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.observations import Claim, Neighbour, Observations, Scan
+from sim.common.observations import Claim, Scan
 from sim.common.robot_numbers import namespace_of
 from sim.inputs import (
     CancelGoal,
@@ -42,7 +38,6 @@ from sim.inputs import (
 )
 from sim.numerics import noise
 from sim.numerics.float_array import FloatArray
-from sim.numerics.kernels import njit
 from sim.parameters import RobotParameters, WorldParameters
 from sim.parameters.reconfiguration import P, fixed_differences
 from sim.robot.costmap.robot_costmap import RobotCostmap
@@ -51,191 +46,18 @@ from sim.robot.global_planning.path import PlanRefusal
 from sim.robot.global_planning.wave import Workspace
 from sim.robot.installed_parts import InstalledParts
 from sim.robot.localization.amcl import Amcl
-from sim.robot.localization.estimate import Localizer, propagated
+from sim.robot.localization.estimate import Localizer
 from sim.robot.localization.fake_localization import FakeLocalization
 from sim.robot.navigator.move_base import Navigator
 from sim.robot.navigator.navigation import Navigation
 from sim.robot.navigator.recovery import RecoveryProgress
-from sim.robot.software import PropagatedOutput, RestingOutput, Robot, RobotOutput
+from sim.robot.software import Robot, RobotOutput
+from sim.snapshot import TeamOutputs, TeamSnapshot
 from sim.world.physics import Misplaced, World, WorldState, with_charge, with_noise, with_thing, without_thing
 from sim.world.sensors import Sensors, mount_of
 
-
-@frozen()
-class TeamSnapshot:
-    """State of a team in one tick: truth, observations, beliefs and commands.
-
-    Attributes:
-        tick: the present tick.
-        world: the truth. Robots never get it, and people get it only if the study permits this. None for real robots,
-            because their truth is unknown.
-        robots: outputs of the robots, in the team's order.
-        commands: (n, 2) m/s and rad/s given to the motors in this tick, by navigators or by hand.
-        dead: indices of dead robots. They perceive nothing, broadcast nothing and do nothing. Their entries are
-            from the last tick before their death.
-    """
-
-    tick: int
-    world: WorldState | None
-    robots: Sequence[RobotOutput]
-    commands: FloatArray
-    dead: frozenset[int] = frozenset()
-
-    @property
-    def truth(self) -> WorldState:
-        """The truth about simulated robots.
-
-        Raises:
-            ValueError: these are real robots.
-        """
-        if self.world is None:
-            raise ValueError("the true state of real robots is unknown")
-        return self.world
-
-    @property
-    def renewed(self) -> Mapping[int, RobotOutput]:
-        """Outputs of this tick by robot, in the team's order, without propagated and repeated outputs."""
-        outputs = self.robots
-        return outputs.renewed if isinstance(outputs, TeamOutputs) else dict(enumerate(outputs))
-
-    def read_costmaps(self) -> Self:
-        """Read all costmaps of this tick, so that they can still be read after the next step. Return this snapshot."""
-        for output in self.renewed.values():
-            for shown in (output.navigation.global_costmap, output.navigation.local_costmap):
-                if shown is not None:
-                    shown.read()
-        return self
-
-
 START_COVARIANCE: FloatArray = np.diag([0.05 * 0.05, 0.05 * 0.05, 0.05 * 0.05])
 """Covariance of the start pose that a robot gets. People place robots on a mark with 5 cm and 3 degrees of error."""
-
-
-class TeamOutputs(Sequence[RobotOutput]):
-    """Outputs of all robots in one tick. Outputs of robots without a step are made when they are read.
-
-    Args:
-        stepped: outputs of the robots with a step, by index.
-        lasting: last outputs of all robots, without data that are valid only in the tick of their step.
-        dead: indices of the dead robots. Their last outputs are repeated.
-        scans: scans that resting robots took in, by index.
-        state: the present world.
-        corrections: (n, 3) poses of odom in the map, as estimated by each robot.
-        sense: function that returns the observations of a robot.
-    """
-
-    def __init__(
-        self,
-        stepped: Mapping[int, RobotOutput],
-        lasting: Sequence[RobotOutput],
-        dead: frozenset[int],
-        scans: Mapping[int, Scan],
-        state: WorldState,
-        corrections: FloatArray,
-        sense: Callable[[WorldState, int, Scan | None], Observations],
-    ) -> None:
-        self._stepped = stepped
-        self._known = dict(stepped)
-        self._lasting = lasting
-        self._dead = dead
-        self._scans = scans
-        self._state = state
-        self._corrections = corrections
-        self._sense = sense
-
-    def __len__(self) -> int:
-        return len(self._lasting)
-
-    @overload
-    def __getitem__(self, index: int) -> RobotOutput: ...
-    @overload
-    def __getitem__(self, index: "slice[int | None, int | None, int | None]") -> Sequence[RobotOutput]: ...
-    def __getitem__(
-        self, index: "int | slice[int | None, int | None, int | None]"
-    ) -> RobotOutput | Sequence[RobotOutput]:
-        if isinstance(index, slice):
-            return [self[each] for each in range(len(self))[index]]
-        output = self._known.get(index)
-        return self._make(range(len(self))[index]) if output is None else output
-
-    def _make(self, robot: int) -> RobotOutput:
-        if robot in self._dead:
-            return self._lasting[robot]
-        scan = self._scans.get(robot)
-        kind = PropagatedOutput if scan is None else RestingOutput
-        believed, twists = self._moved
-        sense = partial(self._sense, self._state, robot, scan)
-        output = self._known[robot] = kind.of(
-            self._lasting[robot], self._state.tick, believed[robot], twists[robot], sense
-        )
-        return output
-
-    @cached_property
-    def believed(self) -> FloatArray:
-        """(n, 3) pose estimates of all robots, by their last corrections and odometry."""
-        return propagated(self._corrections, self._state.odom_poses)
-
-    @cached_property
-    def renewed(self) -> Mapping[int, RobotOutput]:
-        """Outputs of robots with a step or a scan in this tick; see `TeamSnapshot.renewed`."""
-        if not self._scans:
-            return self._stepped
-        return {robot: self[robot] for robot in sorted({*self._stepped, *self._scans})}
-
-    @cached_property
-    def _moved(self) -> tuple[list[list[float]], list[list[float]]]:
-        """Pose estimates and measured velocities of all robots."""
-        return self.believed.tolist(), self._state.odom_twists.tolist()
-
-
-@njit(cache=True)
-def _within(places: FloatArray, x: float, y: float, distance: float) -> NDArray[np.int64]:
-    """Return the indices of the (k, 2) places within a distance of (x, y) along both axes."""
-    out = np.empty(places.shape[0], np.int64)
-    count = 0
-    for i in range(places.shape[0]):
-        if abs(places[i, 0] - x) < distance and abs(places[i, 1] - y) < distance:
-            out[count] = i
-            count += 1
-    return out[:count]
-
-
-class _Broadcasts:
-    """Broadcasts of robots in one tick.
-
-    Args:
-        outputs: outputs of all robots.
-        claims: claim of each robot that broadcasts, by index, in the team's order.
-    """
-
-    def __init__(self, outputs: TeamOutputs | None, claims: Mapping[int, Claim | None]) -> None:
-        self.claims = claims
-        self._robots = list(claims)
-        self._outputs = outputs
-
-    @cached_property
-    def _all(self) -> tuple[Neighbour, ...]:
-        outputs = self._outputs
-        return () if outputs is None else tuple(outputs[robot].neighbour for robot in self._robots)
-
-    @cached_property
-    def _places(self) -> FloatArray:
-        """(k, 2) map positions."""
-        return np.empty((0, 2)) if self._outputs is None else self._outputs.believed[self._robots, :2]
-
-    def others(self, robot: int) -> tuple[Neighbour, ...]:
-        """Return the broadcasts of the other robots. This is fast, because many robots call it in each tick."""
-        heard = self._all
-        own = bisect_left(self._robots, robot)
-        return heard[:own] + heard[own + 1 :] if robot in self.claims else heard
-
-    def near(self, robot: int, pose: Pose2, distance: float) -> list[Neighbour]:
-        """Return at least the broadcasts of the other robots within a distance along x and y, meters."""
-        outputs = self._outputs
-        if outputs is None:
-            return []
-        close = (self._robots[index] for index in _within(self._places, pose.x, pose.y, distance).tolist())
-        return [outputs[other].neighbour for other in close if other != robot]
 
 
 class Team:
@@ -294,7 +116,7 @@ class Team:
         self._lasting: list[RobotOutput] = []
         self._claims: Mapping[int, Claim | None] = {}
         # Broadcasts of the last tick, and of the tick before.
-        self._heard = self._heard_before = _Broadcasts(None, {})
+        self._heard = self._heard_before = Broadcasts(None, {})
         # True for robots that are stepped; dead robots are not.
         self._running = np.ones(len(robots), dtype=np.bool_)
         # Next tick in which each robot has work, apart from scans.
@@ -446,7 +268,7 @@ class Team:
                 stepped[index] = robot.step(self._sensors.sense(state, index), heard.others(index))
         self._keep(stepped, requested)
         outputs = TeamOutputs(stepped, self._lasting, self._dead, scans, state, self._corrections, self._sensors.sense)
-        self._heard_before, self._heard = heard, _Broadcasts(outputs, self._claims)
+        self._heard_before, self._heard = heard, Broadcasts(outputs, self._claims)
         self._paused = set(self._dead)
         self._outputs = outputs
         return outputs

@@ -17,7 +17,7 @@ from sim.common.observations import TICKS_PER_SECOND, Twist
 from sim.common.robot_numbers import number_of
 from sim.inputs import CancelGoal, GlobalLocalization, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot
 from sim.robot.navigator.goals import GoalReached, GoalResult, NoPath
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.api.errors import HuntError, as_hunt_errors
 from thbridge.api.participant import HuntParticipant, QueuePlayer, checked_index, whole
 from thbridge.api.snapshot import HuntSnapshot, Ranges, snapshot_of

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICK
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.hunt.game import GameState
 
 Floats: TypeAlias = NDArray[np.float64]

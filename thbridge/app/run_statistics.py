@@ -7,7 +7,7 @@ from sim.common.observations import TICK
 from sim.common.robot_numbers import number_of
 from sim.numerics import elementary
 from sim.numerics.elementary import wrap_angle
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 
 
 @dataclass(frozen=True, slots=True)

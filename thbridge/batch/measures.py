@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.numerics import elementary
 from sim.robot.navigator.goals import GoalReached, NoPath
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.app.play import HuntOutcome
 from thbridge.app.run_statistics import RobotStatistics
 from thbridge.app.session.session import TickRecord

@@ -8,7 +8,7 @@ from sim.common.observations import TICK
 from sim.common.robot_numbers import namespace_of, robot_name
 from sim.robot.navigator.navigation import NavigatorState
 from sim.robot.software import PropagatedOutput, RobotOutput
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.ros.actionlib import ActionRequest, ActionServerMessage, GoalEnded, GoalSet
 from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus

@@ -11,7 +11,7 @@ from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICKS_PER_SECOND, LaserMount
 from sim.common.polygons import NO_POLYGONS, unpack_polygons
 from sim.robot.software import PropagatedOutput, RobotOutput
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.ros.actionlib import ActionRequest, ActionServerMessage
 from thbridge.ros.diagnostics import RobotDiagnostics
 from thbridge.ros.messages import pack

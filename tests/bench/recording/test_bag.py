@@ -12,7 +12,7 @@ import pytest
 from rosbags.rosbag1 import Writer
 from rosbags.typesys.msg import normalize_msgtype
 
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from sim.world.sensors import mount_of
 from tests.bench.budget import Budgets
 from tests.support.bags.drawn_team import SESSION

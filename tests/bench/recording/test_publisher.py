@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from tests.bench.budget import Budgets, best
 from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, records, snapshots
 from thbridge.ros.publisher import TeamPublisher

@@ -17,7 +17,8 @@ from sim.robot.localization.amcl import Amcl
 from sim.robot.navigator.controller import Controller
 from sim.robot.navigator.follower import Follower
 from sim.robot.navigator.move_base import Navigator
-from sim.team import Team, TeamSnapshot
+from sim.snapshot import TeamSnapshot
+from sim.team import Team
 from sim.world.physics import World
 from sim.world.sensors import Sensors
 from tests.bench.budget import Budgets

@@ -9,7 +9,8 @@ import pytest
 from sim.common.observations import Twist
 from sim.inputs import DriveManually, KillRobot, ReviveRobot, SetWorldParameters, TeamInput
 from sim.parameters import ParameterRejection, RobotParameters, WorldParameters, live_parameters, reconfigured
-from sim.team import Team, TeamSnapshot
+from sim.snapshot import TeamSnapshot
+from sim.team import Team
 from thbridge.files.map_files import read_map
 
 ARENA = read_map(Path(__file__).parents[3] / "maps" / "arena8")

@@ -15,7 +15,7 @@ from sim.robot.localization.estimate import Estimate
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath
 from sim.robot.navigator.navigation import Navigation
 from sim.robot.software import RobotOutput
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from sim.world.physics import WorldState
 from sim.world.sensor_noise import SensorNoise
 from thbridge.ros.messages.records import InitialPose, Record, SendRobots, Success

@@ -4,7 +4,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from tests.support.hunts.hunt_without_simulator import Log
 from tests.support.hunts.scripted_hunt import ScriptedPlayer
 from thbridge.app.compose.game import build_hider, build_keeper

@@ -12,7 +12,8 @@ from sim.inputs import SendGoal, TeamInput
 from sim.numerics.float_array import FloatArray
 from sim.numerics.noise_arrays import NoiseStream
 from sim.robot.navigator.goals import Goal
-from sim.team import Team, TeamSnapshot
+from sim.snapshot import TeamSnapshot
+from sim.team import Team
 
 
 class Errands:

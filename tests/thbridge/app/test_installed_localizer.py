@@ -12,7 +12,8 @@ from sim.common.grid import OccupancyGrid
 from sim.inputs import GlobalLocalization, SendGoal, SetPoseEstimate
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal
-from sim.team import START_COVARIANCE, Team, TeamSnapshot
+from sim.snapshot import TeamSnapshot
+from sim.team import START_COVARIANCE, Team
 from tests.support.programs.installed_plugins import install_plugins
 from thbridge.app.compose.installed_parts import installed_parts
 from thbridge.app.compose.setting import read_setting

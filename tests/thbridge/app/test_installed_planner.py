@@ -13,7 +13,8 @@ from sim.inputs import SendGoal
 from sim.parameters import ParameterRejection, RobotParameters, WorldParameters, live_parameters, reconfigured
 from sim.robot.global_planning.path import PlanRefusal
 from sim.robot.navigator.goals import Goal
-from sim.team import Team, TeamSnapshot
+from sim.snapshot import TeamSnapshot
+from sim.team import Team
 from tests.support.programs.installed_plugins import install_plugins
 from thbridge.app.compose.installed_parts import installed_parts
 from thbridge.app.compose.setting import read_setting

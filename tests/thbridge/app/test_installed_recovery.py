@@ -15,7 +15,8 @@ from sim.inputs import SendGoal
 from sim.parameters import MoveBaseParameters, RecoveryBehavior, RobotParameters, WorldParameters
 from sim.robot.installed_parts import InstalledParts
 from sim.robot.navigator.goals import Goal
-from sim.team import Team, TeamSnapshot
+from sim.snapshot import TeamSnapshot
+from sim.team import Team
 from tests.support.programs.commands import invoke
 from tests.support.programs.installed_plugins import install_plugins
 from thbridge.app.compose.installed_parts import installed_parts

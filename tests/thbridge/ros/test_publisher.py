@@ -14,7 +14,8 @@ from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.view import CostmapView, ShownCostmap
 from sim.robot.navigator.goals import Cancelled, Goal
 from sim.robot.software import PropagatedOutput, RobotOutput
-from sim.team import Team, TeamSnapshot
+from sim.snapshot import TeamSnapshot
+from sim.team import Team
 from sim.world.thing import Thing
 from sim.world.things import ThingState, polygons_of
 from tests.support.bags.drawn_team import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol, runtime_checkable
 
 from sim.common.grid import OccupancyGrid
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.ros.messages.records import Record
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.publisher import RosMessage, TeamPublisher

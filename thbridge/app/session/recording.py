@@ -9,7 +9,7 @@ import numpy as np
 from sim.common.observations import TICKS_PER_SECOND
 from sim.numerics import elementary_arrays
 from sim.numerics.float_array import FloatArray
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.app.session.dialogue_states import DialogueStates
 from thbridge.app.session.input_records import to_record
 from thbridge.app.session.inputs import ClientRequest

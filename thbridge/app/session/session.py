@@ -33,7 +33,7 @@ from thbridge.text_protocol.wire.router import (
 )
 
 if TYPE_CHECKING:  # Only sessions with robots need these.
-    from sim.team import TeamSnapshot
+    from sim.snapshot import TeamSnapshot
     from thbridge.mavlink.role.vehicles import RequestSink, Vehicles
 
 

@@ -18,7 +18,7 @@ from sim.common.robot_numbers import robot_name
 from sim.common.traversability import TraversabilityMap, inside
 from sim.inputs import CancelGoal, DriveManually
 from sim.numerics import elementary
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.hunt import rules
 from thbridge.hunt.events import Commander, CommanderChanged
 from thbridge.hunt.game import CommandHolder, GameState, apply

@@ -9,7 +9,7 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import SendGoal
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.robot.software import RobotOutput
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.hunt import rules
 from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState, apply

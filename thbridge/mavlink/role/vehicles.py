@@ -5,7 +5,7 @@ from itertools import count
 from typing import TypeAlias
 
 from sim.common.robot_numbers import number_of
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.hunt.game import GameState
 from thbridge.mavlink.hub import Hub
 from thbridge.mavlink.role.pilot import Pilot

@@ -6,7 +6,7 @@ from thbridge.roles.shared.robot_requests import RobotRequest
 from thbridge.roles.shared.role import Role
 
 if TYPE_CHECKING:
-    from sim.team import TeamSnapshot
+    from sim.snapshot import TeamSnapshot
 
 
 @runtime_checkable

@@ -16,7 +16,7 @@ from sim.inputs import (
     TeamInput,
 )
 from sim.parameters.reconfiguration import ParameterRejection
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.roles.shared.robot_requests import ParameterValue, RobotRequest, SetParameters, Tuning
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.ros.actionlib import ActionRequest, MoveBaseServer

@@ -7,7 +7,7 @@ from sim.common.geometry import Pose2
 from sim.inputs import SendGoal
 from sim.numerics import elementary
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.hunt.rooms import Room
 from thbridge.roles.shared import failure_reasons as reasons
 from thbridge.roles.shared.notices import MoveOrder, MoveResult

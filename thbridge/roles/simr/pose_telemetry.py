@@ -14,7 +14,7 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.numerics import elementary
 from sim.numerics.float_array import FloatArray
 from sim.robot.software import RobotOutput
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.hunt.events import Condition
 from thbridge.roles.shared.notices import Activity, Ellipse, PlannedPaths, PoseTelemetry, RobotMotion
 from thbridge.roles.simr.polyline import needed_points

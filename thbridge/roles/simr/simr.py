@@ -8,7 +8,7 @@ from sim.common.observations import TICKS_PER_SECOND, Twist
 from sim.inputs import CancelGoal, DriveManually, PlaceRobot, SendGoal, SetCharge, TeamInput
 from sim.numerics import elementary
 from sim.robot.navigator.goals import Goal
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.seats import Seat

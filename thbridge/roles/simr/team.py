@@ -5,7 +5,7 @@ from typing import Protocol
 
 from sim.inputs import TeamInput
 from sim.parameters import RobotParameters, WorldParameters
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 
 
 class RobotTeam(Protocol):

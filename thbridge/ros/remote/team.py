@@ -19,7 +19,7 @@ from sim.inputs import (
     TeamInput,
 )
 from sim.parameters import RobotParameters, WorldParameters
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.ros import names
 from thbridge.ros.messages import types
 from thbridge.ros.messages.stamps import tick_of

@@ -6,7 +6,7 @@ Messages of robots are not encoded again from our values. The bag contains the r
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from thbridge.recording.bag.writing.writer import BagWriter, ForeignTopic
 from thbridge.ros.messages import pack
 from thbridge.ros.messages.pack import RoomLabel

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from tests.support.ros.packed_messages import STORE, header, packed, pose
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_team_description, build_writer

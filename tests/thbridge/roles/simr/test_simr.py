@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
-from sim.team import Team, TeamSnapshot
+from sim.snapshot import TeamSnapshot
+from sim.team import Team
 from tests.thbridge.roles.simr.driven_simr import DrivenSimR, orders
 from thbridge.app.compose.robots import build_simr, build_team
 from thbridge.app.compose.setting import StudySetting, read_setting

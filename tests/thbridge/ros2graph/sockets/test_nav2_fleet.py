@@ -15,7 +15,7 @@ from sim.common.observations import STANDSTILL, Twist
 from sim.inputs import CancelGoal, DriveManually, KidnapRobot, PlaceRobot, SendGoal, SetPoseEstimate
 from sim.parameters import live_parameters
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from tests.support.ros2.driven_robot import DrivenRobot
 from tests.support.ros2.loopback import LoopbackGraph
 from thbridge.ros.messages import pack, types, unpack

@@ -17,7 +17,7 @@ from sim.common.observations import STANDSTILL
 from sim.inputs import KidnapRobot, PlaceRobot, SendGoal, SetCharge
 from sim.parameters import live_parameters
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
-from sim.team import TeamSnapshot
+from sim.snapshot import TeamSnapshot
 from tests.support.programs.event_loops import eventually
 from tests.support.ros.service_client import call_service
 from thbridge.recording.bag.reading.reader import messages
