@@ -77,10 +77,12 @@ def test_rclpy_gets_what_the_bag_has(tmp_path: Path) -> None:
             assert len(steps) > 100
             assert steps == pytest.approx([TICK] * len(steps))
         elif got:
-            # In a window of time, nothing is missing, and nothing is different.
-            whole = [padded(each) for each in sent[topic.name]]
-            start = whole.index(padded(got[0]))
-            assert [padded(each) for each in got] == whole[start : start + len(got)], topic.name
+            # In a window of time, nothing is missing, and nothing is different. A listener that is slow for a moment
+            # loses messages of best-effort topics.
+            whole, at = [padded(each) for each in sent[topic.name]], -1
+            places = [at := whole.index(padded(each), at + 1) for each in got]
+            missing = places[-1] - places[0] + 1 - len(places)
+            assert missing == 0 or (not qos["reliable"] and missing < 0.1 * len(places)), topic.name
     assert counts["/robot1/odom"] > 100
     assert counts["/robot1/map"] == 1
 
